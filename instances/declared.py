@@ -13,8 +13,7 @@ from typing import Any, ClassVar, Self, get_type_hints
 import numpy as np
 from numpy.typing import NDArray
 
-from . import document
-from . import number_arrays as arrays
+from . import document, number_arrays as arrays
 from .errors import InputError
 from .instance import digest
 from .parts import Axis, Count, Part

@@ -11,8 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from . import document
-from . import number_arrays as arrays
+from . import document, number_arrays as arrays
 from .errors import InputError
 from .text import an, shown
 

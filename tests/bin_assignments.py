@@ -1,7 +1,5 @@
 """Assignments for tests: the worked ones of the literature, random ones of every shape, and their optima by enumeration."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Small mixed-integer programs for trees: their optima come from exact arithmetic."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,13 +1,11 @@
 """Campaigns for tests: files, workers that do runs in this process, and runs made up."""
 
-from __future__ import annotations
-
 import json
 import os
 import random
 from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from waybound.reports.campaigns.campaign import Planned
 from waybound.reports.campaigns.instance_list import Named
@@ -39,7 +37,7 @@ class Here:
     def __init__(self, of: Any = run_task) -> None:
         self.of, self.done = of, 0
 
-    def __enter__(self) -> Here:
+    def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *fault: object) -> None:

@@ -5,8 +5,6 @@ Source of all data and of the published objectives: the routing guide of OR-Tool
 guide's matrix is that of distances along streets between these coordinates.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 

@@ -1,7 +1,5 @@
 """Errors by their codes, for ``pytest.raises(..., check=coded("duplicate"))``."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import get_args
 

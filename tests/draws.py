@@ -1,7 +1,5 @@
 """How many random examples a property test draws: all of them by ``make test-all``, a part in the fast suite."""
 
-from __future__ import annotations
-
 import os
 
 ALL = os.environ.get("WAYBOUND_DRAWS") == "all"

@@ -1,12 +1,9 @@
 """Maps of rooms for tests: paths, random ones, and their optima by enumeration."""
 
-from __future__ import annotations
-
 import numpy as np
 from truth.auctions import RoomTruth
 
-from waybound.formulations.auctions.room_exploration import RoomExploration
-from waybound.instances.auctions.exploration_map import ExplorationMap
+from waybound import ExplorationMap, RoomExploration
 
 
 def path(

@@ -1,7 +1,5 @@
 """Programs with rows and variables of every sort, and what a reader makes of their files."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any

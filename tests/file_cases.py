@@ -1,7 +1,5 @@
 """Shared by the tests of file formats: types of their fixtures, texts with one change, and checks of refusals."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -4,17 +4,14 @@ Prints, a line each, what is told of it and how many runs are there then: at fir
 ``damaged`` if the file is not sound.
 """
 
-from __future__ import annotations
-
 import sqlite3
 import sys
 from pathlib import Path
 
 from campaign_cases import Here, campaign_file, outcome
 
-from waybound.instances.errors import InputError
+from waybound import InputError, results
 from waybound.reports.campaigns.campaign import Campaign, read_campaign
-from waybound.reports.campaigns.frames import results
 from waybound.reports.campaigns.running import run_campaign
 
 

@@ -4,26 +4,18 @@ A draw depends on the generator alone; ``Units`` then multiply each kind of quan
 are therefore the same problem, measured differently.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, fields, replace
 from statistics import NormalDist
-from typing import Any
+from typing import Any, Self
 
 import numpy as np
 import scipy.sparse as sp
 
+from waybound import BalancedPartition, BinAssignment, GeneralisedAssignment, JointAssignment, Problem, RoomExploration, TaskAllocation
 from waybound.formulations.arrays.problem import ArrayProblem
-from waybound.formulations.auctions.balanced_partition import BalancedPartition
-from waybound.formulations.auctions.bin_assignment import BinAssignment
-from waybound.formulations.auctions.generalised_assignment import GeneralisedAssignment
-from waybound.formulations.auctions.joint_assignment import JointAssignment
-from waybound.formulations.auctions.room_exploration import RoomExploration
-from waybound.formulations.auctions.task_allocation import TaskAllocation
-from waybound.formulations.problem import Problem
 from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.formulations.risk.risk_allocation import RiskAllocation
 from waybound.formulations.risk.risky_path import RiskyPath
@@ -67,11 +59,11 @@ class Units:
     budget: float = 1.0
 
     @classmethod
-    def common(cls, factor: float) -> Units:
+    def common(cls, factor: float) -> Self:
         return cls(*[factor] * len(fields(cls)))
 
     @classmethod
-    def drawn(cls, rng: Rng) -> Units:
+    def drawn(cls, rng: Rng) -> Self:
         """One factor between 1e-9 and 1e9 for all, or one each; powers of two, of ten, or any."""
         many = len(fields(cls))
         powers = rng.uniform(-9, 9, many) if rng.random() < 0.4 else np.repeat(rng.uniform(-9, 9), many)

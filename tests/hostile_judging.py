@@ -1,7 +1,5 @@
 """Every word that is shown of a problem against the exact truth about it."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Iterator, Sequence
@@ -10,10 +8,8 @@ from typing import Any
 
 from truth.families import Truth
 
+from waybound import Evidence, Problem, Solution
 from waybound.formulations.certificate import Certificate, certify, check_certificate
-from waybound.formulations.evidence import Evidence
-from waybound.formulations.problem import Problem
-from waybound.formulations.solution import Solution
 
 SAME = 1e-9
 """Relative difference up to which two values are one."""

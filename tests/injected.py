@@ -1,12 +1,10 @@
 """Faults to inject into what comes after a search, and a small problem whose answers are known."""
 
-from __future__ import annotations
-
 import errno
 import json
 import sys
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Self
 
 import pytest
 
@@ -61,7 +59,7 @@ class InterruptAt:
     def __init__(self, names: tuple[str, ...], number: int) -> None:
         self.names, self.left, self.reached = names, number, False
 
-    def __enter__(self) -> InterruptAt:
+    def __enter__(self) -> Self:
         self.before = sys.gettrace()
         sys.settrace(self._trace)
         return self

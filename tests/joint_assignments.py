@@ -1,7 +1,5 @@
 """Joint assignments for tests: random ones, and their optima by enumeration."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

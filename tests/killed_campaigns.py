@@ -4,8 +4,6 @@
 campaign that nobody disturbed.
 """
 
-from __future__ import annotations
-
 import os
 import random
 import signal

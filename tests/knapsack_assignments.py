@@ -1,7 +1,5 @@
 """Generalised assignments for tests: random ones of every shape, and their optima by enumeration."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

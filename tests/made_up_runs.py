@@ -1,7 +1,5 @@
 """A process that starts runs, as ``waybound.reports.campaigns.fork_server``, with runs that do what their seed says."""
 
-from __future__ import annotations
-
 import ctypes
 import os
 import signal

@@ -1,7 +1,5 @@
 """Gaussian constraints ``b_i f + s_i e_i <= slack_i`` with independent f and e_i, whose joint probability is an integral over f alone."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

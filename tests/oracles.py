@@ -1,7 +1,5 @@
 """The small routing instances that tests share, and what every form has to fulfil."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 
@@ -10,12 +8,7 @@ import pytest
 from hypothesis import strategies as st
 from truth.routing import RoutingTruth, best_values
 
-from waybound.formulations.programs.program import Program
-from waybound.formulations.routing.objective import Objective, Reward, TotalCost, Vehicles
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.errors import UnsupportedError
-from waybound.instances.routing.instance import Energy, Sites, VehicleType
-from waybound.instances.routing.travel import Travel
+from waybound import Energy, Objective, Program, Reward, RoutingProblem, Sites, TotalCost, Travel, UnsupportedError, Vehicles, VehicleType
 from waybound.solvers.backend import Control, Options
 from waybound.solvers.backends.cpsat import CpSat
 from waybound.solvers.backends.outer_approximation import OuterApproximation

@@ -1,12 +1,9 @@
 """Small orchards whose optima and days are known."""
 
-from __future__ import annotations
-
 import numpy as np
 
-from waybound.formulations.auctions.orchard_day import OrchardDay
+from waybound import OrchardDay, OrchardJobs
 from waybound.instances.auctions.orchard_grid import OrchardGrid
-from waybound.instances.auctions.orchard_jobs import OrchardJobs
 from waybound.instances.auctions.orchard_rules import OrchardRules, OrchardStart
 from waybound.instances.auctions.worlds.orchard import OrchardWorld
 from waybound.reports.missions.auctions.orchard_days.policies import CHOOSING, trips

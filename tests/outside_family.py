@@ -1,7 +1,5 @@
 """A family of problems that no module of waybound knows: jobs on one machine, done one after the other."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping

@@ -1,7 +1,5 @@
 """Faults planted into modules, as one edit of their source each, and taken out again by pytest's ``monkeypatch``."""
 
-from __future__ import annotations
-
 import importlib
 import sys
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Programs as text, in the words of docs/formulations: what a form writes, for a reader to compare with its mathematics."""
 
-from __future__ import annotations
-
 import math
 import textwrap
 from pathlib import Path
@@ -9,9 +7,8 @@ from typing import Any
 
 import numpy as np
 
+from waybound import Compiled, Program
 from waybound.formulations.problem import problem_from_instance
-from waybound.formulations.programs.compiled import Compiled
-from waybound.formulations.programs.program import Program
 from waybound.instances.reading import read_instance
 
 TWO_SITES = """

@@ -1,7 +1,5 @@
 """Programs from small dense arrays, and who solves them in place of a solver."""
 
-from __future__ import annotations
-
 import math
 import threading
 from collections.abc import Callable, Sequence
@@ -26,7 +24,7 @@ def program(
 ) -> Program:  # fmt: skip
     """A program with a block for each variable."""
     n = len(cost)
-    a = sp.csr_matrix(np.asarray(matrix, dtype=float).reshape(-1, n))
+    a = matrix if sp.issparse(matrix) else sp.csr_matrix(np.asarray(matrix, dtype=float).reshape(-1, n))
     spread = lambda v, k: np.array(np.broadcast_to(np.asarray(v, dtype=float), k))  # noqa: E731
     low_x, high_x = spread(lower, n), spread(upper, n)
     columns = tuple(
@@ -35,6 +33,16 @@ def program(
     )
     rows = Rows("row", indptr=a.indptr, indices=a.indices, data=a.data, lower=spread(low, a.shape[0]), upper=spread(high, a.shape[0]))
     return Program("test", sense, columns, (rows,), offset, None if quadratic is None else sp.csr_matrix(np.asarray(quadratic, float)))
+
+
+def sane(indices=(0, 1), data=(1.0, 1.0), lower=(0.0, 0.0), upper=(1.0, 1.0), side=(1.0, math.inf)) -> Program:
+    """Two columns and a row, of which any part may be another one."""
+    x = Variables("x", keys=(np.arange(2),), lower=np.array(lower), upper=np.array(upper), cost=np.ones(2))
+    rows = Rows(
+        "need", indptr=np.array([0, len(indices)], dtype=np.int32), indices=np.array(indices, dtype=np.int32), data=np.array(data),
+        lower=np.array(side[:1]), upper=np.array(side[1:]),
+    )  # fmt: skip
+    return Program("sane", "min", (x,), (rows,))
 
 
 class AnsweredBy(LinearPrograms):

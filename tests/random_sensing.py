@@ -1,7 +1,5 @@
 """Random sensing graphs of some hundred robots, and their optima by a solver that the package does not use."""
 
-from __future__ import annotations
-
 import numpy as np
 import scipy.sparse as sp
 from scipy.optimize import linprog

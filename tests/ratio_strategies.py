@@ -1,14 +1,9 @@
 """Hypothesis strategies for small selection problems and sensing graphs, made so that they shrink to few elements and small weights."""
 
-from __future__ import annotations
-
 import numpy as np
 from hypothesis import strategies as st
 
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
-from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
-from waybound.instances.sata.constraints import Cardinality, Knapsack, PartitionMatroid
+from waybound import BottleneckSATA, Cardinality, Knapsack, PartitionMatroid, SubmodularSelection, WinnerTakesAllSATA
 from waybound.instances.sata.sensing_graph import graph_of_edges
 from waybound.instances.sata.set_functions import Coverage, DenseFacilityLocation, FacilityLocation
 

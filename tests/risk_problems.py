@@ -1,7 +1,5 @@
 """Small problems of risk allocation: those of the literature, and files as people write them."""
 
-from __future__ import annotations
-
 import copy
 import json
 from typing import Any

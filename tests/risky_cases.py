@@ -1,7 +1,5 @@
 """Risky paths with known answers: tables and examples of Xiao (2019), and small graphs on which its planners go wrong."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Callable, Iterable, Sequence
@@ -9,11 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from waybound.formulations.risk.risky_path import RiskyPath
+from waybound import RiskyGraph, RiskyPath
 from waybound.instances.risk.element import RiskElement
 from waybound.instances.risk.elements import LengthRisk, LocaleRisk, MoveRisk, TurnRisk
 from waybound.instances.risk.occupancy import OccupancyGrid
-from waybound.instances.risk.risky_graph import RiskyGraph
 from waybound.instances.risk.traverse_elements import CollectedRisk
 
 TABLE_3_1_CELLS = [(2, 2), (3, 3), (4, 4), (5, 4), (6, 4), (7, 4), (7, 5), (7, 6), (7, 7), (7, 8), (8, 9), (9, 10)]
@@ -49,6 +46,17 @@ def graph(
     """A graph of a list of moves."""
     tail, head = np.array(arcs, dtype=np.int64).reshape(-1, 2).T
     return RiskyGraph(states or int(max(tail.max(), head.max())) + 1, tail, head, tuple(elements), start, conditional, **given)
+
+
+BENT = np.array([(0, 0), (1, 0), (2, 1), (2, 2), (2, 4)], dtype=float)
+LINE = [(0, 1), (1, 2), (2, 3), (3, 4)]
+
+
+def risks(element: RiskElement, positions: Any = BENT, arcs: Any = LINE) -> Any:
+    """Risks of the states of a path that passes them in turn."""
+    states = len(positions)
+    problem = RiskyPath(graph(arcs, [element], states=states, goals=(states - 1,), positions=positions))
+    return problem.risks(range(states))[element.label]
 
 
 def of_table(rows: Sequence[Sequence[float]], reward: float = 0.0) -> RiskyPath:

@@ -1,7 +1,5 @@
 """All answers of small routing problems, what is stated of them, and prices that are worth trying."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections import Counter
@@ -14,9 +12,8 @@ from scipy.optimize import linprog
 from truth.base import Values
 from truth.routing import RoutingTruth
 
+from waybound import Routes, RoutingProblem
 from waybound.formulations.routing.objective import PEAKS, Objective
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Routes
 
 Decision = tuple[dict[str, Any], bool]
 

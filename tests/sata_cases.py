@@ -1,7 +1,5 @@
 """Small cases of simultaneous action and target assignment, with optima that were found by enumeration."""
 
-from __future__ import annotations
-
 import itertools
 import math
 import warnings
@@ -12,9 +10,7 @@ from typing import Any
 import numpy as np
 from scipy.optimize import linprog
 
-from waybound.formulations.problem import Problem
-from waybound.formulations.sata.max_min_lp import MaxMinLP
-from waybound.formulations.sata.selections import Selection
+from waybound import MaxMinLP, Problem, Selection
 from waybound.instances.sata.sensing_graph import SensingGraph, graph_of_edges
 
 Robot = list[tuple[float, ...]]

@@ -1,7 +1,5 @@
 """Small selection problems for tests: reference cases, random ones, and their optima by plain enumeration."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -11,21 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 from truth.families import excess_of
 
-from waybound.formulations.evidence import Evidence
-from waybound.formulations.problem import Problem
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
+from waybound import Coverage, DenseFacilityLocation, Evidence, Problem, SubmodularSelection
 from waybound.formulations.stop import NEVER
 from waybound.heuristics.heuristic import HEURISTICS, Context, Outcome
 from waybound.instances.sata.constraints import Cardinality, Constraint, Knapsack, LimitRows, LinearConstraint, PartitionMatroid
-from waybound.instances.sata.set_functions import (
-    Coverage,
-    DenseFacilityLocation,
-    FacilityLocation,
-    ItemFunction,
-    ItemWeights,
-    SetFunction,
-    UserFunction,
-)
+from waybound.instances.sata.set_functions import FacilityLocation, ItemFunction, ItemWeights, SetFunction, UserFunction
 from waybound.solvers.linear_programs import LinearPrograms
 
 KINDS = ("coverage", "facility-location", "dense", "dense32", "user")

@@ -1,7 +1,5 @@
 """A study in its short form, run twice: findings, rows that the seed decides, and its page."""
 
-from __future__ import annotations
-
 from waybound.reports.studies.findings import LOST, NOT, REPRODUCED, SIGN, UNDECIDED
 from waybound.reports.studies.page import page_of
 from waybound.reports.studies.study import Report, Study

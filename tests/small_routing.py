@@ -1,7 +1,5 @@
 """Small routing problems in which one feature matters."""
 
-from __future__ import annotations
-
 import functools
 import math
 from collections.abc import Callable
@@ -10,17 +8,8 @@ from dataclasses import replace
 import numpy as np
 from truth.routing import best_values
 
-from waybound.formulations.routing.objective import (
-    Composable,
-    LatestReturn,
-    LongestRoute,
-    Makespan,
-    Penalties,
-    Reward,
-    TotalCost,
-    TotalDuration,
-    Vehicles,
-)
+from waybound import LatestReturn, LongestRoute
+from waybound.formulations.routing.objective import Composable, Makespan, Penalties, Reward, TotalCost, TotalDuration, Vehicles
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import NEVER
 from waybound.heuristics.heuristic import Context

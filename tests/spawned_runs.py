@@ -1,7 +1,5 @@
 """A process that starts runs as on systems where forking is unsafe."""
 
-from __future__ import annotations
-
 from waybound.reports.campaigns import fork_server
 
 

@@ -1,16 +1,12 @@
 """Small problems of robots and tasks, and their optima by enumeration."""
 
-from __future__ import annotations
-
 import itertools
 from typing import Any
 
 import numpy as np
 from truth.auctions import PartTruth, TaskTruth
 
-from waybound.formulations.auctions.balanced_partition import BalancedPartition
-from waybound.formulations.auctions.task_allocation import TaskAllocation
-from waybound.instances.auctions.robot_tasks import RobotTasks
+from waybound import BalancedPartition, RobotTasks, TaskAllocation
 
 OBJECTIVES = ("mini-sum", "mini-max", "mini-ave")
 

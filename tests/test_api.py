@@ -1,7 +1,5 @@
 """The face: what a notebook types."""
 
-from __future__ import annotations
-
 import ast
 import io
 import json

@@ -1,7 +1,5 @@
 """Every published solution file is accepted at its value under its row's convention, and rejected once it is spoilt."""
 
-from __future__ import annotations
-
 import csv
 import functools
 from collections import Counter, defaultdict
@@ -11,12 +9,10 @@ from pathlib import Path
 
 import pytest
 
+from waybound import Evaluation, Route, Routes, RoutingProblem
 from waybound.formulations.answers import read_answer
-from waybound.formulations.evaluation import Evaluation
 from waybound.formulations.problem import problem_from_instance
 from waybound.formulations.routing.judge import schedule
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Route, Routes
 from waybound.instances.reading import read_instance
 
 CONVENTIONS = {"tsplib-nint": "file", "tsplib": "file", "euclidean-double": "exact", "dimacs-trunc1": "trunc1"}

@@ -1,7 +1,5 @@
 """What docstrings and pages refer to is there: pages, sections, and the names of everything that is registered."""
 
-from __future__ import annotations
-
 import re
 import subprocess
 import unicodedata

@@ -1,7 +1,5 @@
 """Certificates of all families that earlier versions wrote still hold, and still prove the same bound."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """What a package outside waybound imports is one module, which names all that it gives."""
 
-from __future__ import annotations
-
 import ast
 from pathlib import Path
 from typing import Any

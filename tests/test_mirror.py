@@ -1,7 +1,5 @@
 """Tests mirror the code: the tests of ``formulations/sata/x.py`` are in ``tests/formulations/sata/test_x.py``."""
 
-from __future__ import annotations
-
 import ast
 import importlib
 import re

@@ -1,7 +1,5 @@
 """Misspelt names, wherever they are given, are answered with what may have been meant."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import pytest

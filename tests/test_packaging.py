@@ -1,7 +1,5 @@
 """The wheel holds what the tree holds: directly built, and built through the source distribution."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

@@ -1,7 +1,5 @@
 """What the page on selection shows is true."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

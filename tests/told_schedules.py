@@ -3,8 +3,6 @@
 The schedule of the tables is held against the data by plain loops; all other outputs are held against the tables.
 """
 
-from __future__ import annotations
-
 import io
 import json
 import math
@@ -14,11 +12,10 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from waybound import Route, Routes, RoutingProblem
 from waybound.formulations.answer_tables import first_sheet, frame_of, workbook
 from waybound.formulations.routing.parse_routes import routes_given
-from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.rolling_horizon import continued
-from waybound.formulations.routing.routes import Route, Routes
 from waybound.instances.clock import Clock
 from waybound.reports.benchmarks.routing_variants import drawn, risky
 from waybound.reports.tables.answers import answer_tables

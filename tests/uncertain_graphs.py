@@ -1,7 +1,5 @@
 """Small graphs of uncertain edge costs, and their paths by brute force."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from waybound.instances.risk.uncertain_graph import UncertainGraph

@@ -24,13 +24,7 @@ except ModuleNotFoundError as fault:
     ) from None
 
 if TYPE_CHECKING:
-    from .api import bound as bound
-    from .api import check as check
-    from .api import explain as explain
-    from .api import generate as generate
-    from .api import judge as judge
-    from .api import read as read
-    from .api import solve as solve
+    from .api import bound as bound, check as check, explain as explain, generate as generate, judge as judge, read as read, solve as solve
     from .formulations.auctions.balanced_partition import BalancedPartition as BalancedPartition
     from .formulations.auctions.bin_assignment import BinAssignment as BinAssignment
     from .formulations.auctions.generalised_assignment import GeneralisedAssignment as GeneralisedAssignment
@@ -39,90 +33,93 @@ if TYPE_CHECKING:
     from .formulations.auctions.room_exploration import RoomExploration as RoomExploration
     from .formulations.auctions.task_allocation import TaskAllocation as TaskAllocation
     from .formulations.certificate import Certificate as Certificate
-    from .formulations.evaluation import Check as Check
-    from .formulations.evaluation import Evaluation as Evaluation
-    from .formulations.evaluation import Violation as Violation
-    from .formulations.evidence import Evidence as Evidence
-    from .formulations.evidence import Guarantee as Guarantee
+    from .formulations.evaluation import Check as Check, Evaluation as Evaluation, Violation as Violation
+    from .formulations.evidence import Evidence as Evidence, Guarantee as Guarantee
     from .formulations.problem import Problem as Problem
     from .formulations.programs.compiled import Compiled as Compiled
     from .formulations.programs.exactness import Exactness as Exactness
-    from .formulations.programs.program import Program as Program
-    from .formulations.programs.program import Rows as Rows
-    from .formulations.programs.program import Variables as Variables
+    from .formulations.programs.program import Program as Program, Rows as Rows, Variables as Variables
     from .formulations.risk.allocations import Allocation as Allocation
     from .formulations.risk.risk_allocation import RiskAllocation as RiskAllocation
     from .formulations.risk.risky_path import RiskyPath as RiskyPath
     from .formulations.risk.uncertain_path import UncertainPath as UncertainPath
-    from .formulations.routing.named_problems import cvrp as cvrp
-    from .formulations.routing.named_problems import makespan_orienteering as makespan_orienteering
-    from .formulations.routing.named_problems import mdvrp as mdvrp
-    from .formulations.routing.named_problems import min_cost_vrp as min_cost_vrp
-    from .formulations.routing.named_problems import min_makespan_vrp as min_makespan_vrp
-    from .formulations.routing.named_problems import orienteering as orienteering
-    from .formulations.routing.named_problems import pdptw as pdptw
-    from .formulations.routing.named_problems import recharging_vrp as recharging_vrp
-    from .formulations.routing.named_problems import team_orienteering as team_orienteering
-    from .formulations.routing.named_problems import tsp as tsp
-    from .formulations.routing.named_problems import vrptw as vrptw
-    from .formulations.routing.objective import LatestReturn as LatestReturn
-    from .formulations.routing.objective import LongestRoute as LongestRoute
-    from .formulations.routing.objective import Makespan as Makespan
-    from .formulations.routing.objective import Objective as Objective
-    from .formulations.routing.objective import Penalties as Penalties
-    from .formulations.routing.objective import Reward as Reward
-    from .formulations.routing.objective import TotalCost as TotalCost
-    from .formulations.routing.objective import TotalDuration as TotalDuration
-    from .formulations.routing.objective import Vehicles as Vehicles
+    from .formulations.routing.named_problems import (
+        cvrp as cvrp,
+        makespan_orienteering as makespan_orienteering,
+        mdvrp as mdvrp,
+        min_cost_vrp as min_cost_vrp,
+        min_makespan_vrp as min_makespan_vrp,
+        orienteering as orienteering,
+        pdptw as pdptw,
+        recharging_vrp as recharging_vrp,
+        team_orienteering as team_orienteering,
+        tsp as tsp,
+        vrptw as vrptw,
+    )
+    from .formulations.routing.objective import (
+        LatestReturn as LatestReturn,
+        LongestRoute as LongestRoute,
+        Makespan as Makespan,
+        Objective as Objective,
+        Penalties as Penalties,
+        Reward as Reward,
+        TotalCost as TotalCost,
+        TotalDuration as TotalDuration,
+        Vehicles as Vehicles,
+    )
     from .formulations.routing.problem import RoutingProblem as RoutingProblem
-    from .formulations.routing.routes import Route as Route
-    from .formulations.routing.routes import Routes as Routes
+    from .formulations.routing.routes import Route as Route, Routes as Routes
     from .formulations.sata.bottleneck_sata import BottleneckSATA as BottleneckSATA
     from .formulations.sata.max_min_lp import MaxMinLP as MaxMinLP
     from .formulations.sata.selections import Selection as Selection
     from .formulations.sata.submodular_selection import SubmodularSelection as SubmodularSelection
     from .formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA as WinnerTakesAllSATA
     from .formulations.solution import Solution as Solution
-    from .heuristics.auctions.relay_steps.steiner_points import RelayTree as RelayTree
-    from .heuristics.auctions.relay_steps.steiner_points import fermat_weber as fermat_weber
-    from .heuristics.auctions.relay_steps.steiner_points import fewest_relays as fewest_relays
-    from .heuristics.auctions.relay_steps.steiner_points import spanning_tree_relays as spanning_tree_relays
+    from .heuristics.auctions.relay_steps.steiner_points import (
+        RelayTree as RelayTree,
+        fermat_weber as fermat_weber,
+        fewest_relays as fewest_relays,
+        spanning_tree_relays as spanning_tree_relays,
+    )
     from .heuristics.sata.submodularity import check_submodular as check_submodular
     from .instances.auctions.assignment import AssignmentInstance as AssignmentInstance
     from .instances.auctions.exploration_map import ExplorationMap as ExplorationMap
     from .instances.auctions.generalised_assignment import GeneralisedAssignmentInstance as GeneralisedAssignmentInstance
     from .instances.auctions.orchard_jobs import OrchardJobs as OrchardJobs
     from .instances.auctions.robot_tasks import RobotTasks as RobotTasks
-    from .instances.errors import CheckFailedError as CheckFailedError
-    from .instances.errors import InputError as InputError
-    from .instances.errors import MissingPackageError as MissingPackageError
-    from .instances.errors import NoAnswerError as NoAnswerError
-    from .instances.errors import SearchFailedError as SearchFailedError
-    from .instances.errors import UnsupportedError as UnsupportedError
-    from .instances.errors import UsageError as UsageError
-    from .instances.errors import WayboundError as WayboundError
+    from .instances.errors import (
+        CheckFailedError as CheckFailedError,
+        InputError as InputError,
+        MissingPackageError as MissingPackageError,
+        NoAnswerError as NoAnswerError,
+        SearchFailedError as SearchFailedError,
+        UnsupportedError as UnsupportedError,
+        UsageError as UsageError,
+        WayboundError as WayboundError,
+    )
     from .instances.risk.allocation import RiskAllocationInstance as RiskAllocationInstance
     from .instances.risk.risky_graph import RiskyGraph as RiskyGraph
     from .instances.risk.uncertain_graph import UncertainGraph as UncertainGraph
-    from .instances.routing.instance import Energy as Energy
-    from .instances.routing.instance import Group as Group
-    from .instances.routing.instance import RoutingInstance as RoutingInstance
-    from .instances.routing.instance import Shipment as Shipment
-    from .instances.routing.instance import Sites as Sites
-    from .instances.routing.instance import VehicleType as VehicleType
+    from .instances.routing.instance import (
+        Energy as Energy,
+        Group as Group,
+        RoutingInstance as RoutingInstance,
+        Shipment as Shipment,
+        Sites as Sites,
+        VehicleType as VehicleType,
+    )
     from .instances.routing.travel import Travel as Travel
-    from .instances.sata.constraints import Cardinality as Cardinality
-    from .instances.sata.constraints import Knapsack as Knapsack
-    from .instances.sata.constraints import PartitionMatroid as PartitionMatroid
+    from .instances.sata.constraints import Cardinality as Cardinality, Knapsack as Knapsack, PartitionMatroid as PartitionMatroid
     from .instances.sata.selection import SelectionInstance as SelectionInstance
     from .instances.sata.sensing_graph import SensingGraph as SensingGraph
-    from .instances.sata.set_functions import Coverage as Coverage
-    from .instances.sata.set_functions import DenseFacilityLocation as DenseFacilityLocation
-    from .instances.sata.set_functions import FacilityLocation as FacilityLocation
-    from .instances.sata.set_functions import UserFunction as UserFunction
+    from .instances.sata.set_functions import (
+        Coverage as Coverage,
+        DenseFacilityLocation as DenseFacilityLocation,
+        FacilityLocation as FacilityLocation,
+        UserFunction as UserFunction,
+    )
     from .reports.campaigns.frames import results as results
-    from .reports.comparison import Comparison as Comparison
-    from .reports.comparison import compare as compare
+    from .reports.comparison import Comparison as Comparison, compare as compare
     from .reports.missions.running import run as run
     from .reports.plots.history import plot_history as plot_history
     from .reports.tables.listing import list_heuristics, list_solvers

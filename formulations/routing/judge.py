@@ -18,9 +18,7 @@ from ..evaluation import Checklist, Evaluation
 from ..tolerance import EQUAL, ROUNDING, allowance, widening
 from .overrun import joint_overrun, route_overrun, uncertain
 from .routes import Floats, Route, Routes
-from .schedule import Schedule as Schedule
-from .schedule import closing, opening
-from .schedule import schedule as schedule
+from .schedule import Schedule as Schedule, closing, opening, schedule as schedule
 
 if TYPE_CHECKING:
     from ...instances.routing.vehicle_type import VehicleType

@@ -10,10 +10,7 @@ from ..errors import UsageError
 from ..instance import Instance
 from ..registry import Registry
 from ..suggestions import did_you_mean
-from .draw import Draw as Draw
-from .draw import Flags as Flags
-from .draw import Floats as Floats
-from .draw import Integers as Integers
+from .draw import Draw as Draw, Flags as Flags, Floats as Floats, Integers as Integers
 from .settings import Setting as Setting
 
 

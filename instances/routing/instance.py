@@ -10,18 +10,17 @@ from typing import ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from ..clock import Clock as Clock
-from ..clock import moment_told
+from ..clock import Clock as Clock, moment_told
 from ..errors import InputError, UsageError
-from .sites import Group as Group
-from .sites import Shipment as Shipment
-from .sites import Sites as Sites
+from .sites import Group as Group, Shipment as Shipment, Sites as Sites
 from .travel import EXPLICIT, Travel
-from .vehicle_type import ENERGY_CHARGES as ENERGY_CHARGES
-from .vehicle_type import MOST_VEHICLES as MOST_VEHICLES
-from .vehicle_type import Energy as Energy
-from .vehicle_type import VehicleType as VehicleType
-from .vehicle_type import checked_risk
+from .vehicle_type import (
+    ENERGY_CHARGES as ENERGY_CHARGES,
+    MOST_VEHICLES as MOST_VEHICLES,
+    Energy as Energy,
+    VehicleType as VehicleType,
+    checked_risk,
+)
 
 Floats = NDArray[np.float64]
 

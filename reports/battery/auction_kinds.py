@@ -7,17 +7,13 @@ from typing import Any
 
 import numpy as np
 
-from ...formulations.auctions.balanced_partition import OBJECTIVES as PARTS
-from ...formulations.auctions.balanced_partition import BalancedPartition
-from ...formulations.auctions.bin_assignment import MATCH, WAITING, BinAssignment
-from ...formulations.auctions.bin_assignment import OBJECTIVE as PAIRED
+from ...formulations.auctions.balanced_partition import OBJECTIVES as PARTS, BalancedPartition
+from ...formulations.auctions.bin_assignment import MATCH, OBJECTIVE as PAIRED, WAITING, BinAssignment
 from ...formulations.auctions.generalised_assignment import GeneralisedAssignment
 from ...formulations.auctions.joint_assignment import JointAssignment
-from ...formulations.auctions.orchard_day import OBJECTIVE as ENDS
-from ...formulations.auctions.orchard_day import OrchardDay
+from ...formulations.auctions.orchard_day import OBJECTIVE as ENDS, OrchardDay
 from ...formulations.auctions.room_exploration import RoomExploration
-from ...formulations.auctions.task_allocation import OBJECTIVES as PATHS
-from ...formulations.auctions.task_allocation import TaskAllocation
+from ...formulations.auctions.task_allocation import OBJECTIVES as PATHS, TaskAllocation
 from ...formulations.problem import Problem
 from ...instances.auctions.assignment import AssignmentInstance
 from ...instances.auctions.exploration_map import ExplorationMap

@@ -31,8 +31,7 @@ from ...solving.method import missing_features
 from ...solving.request import Request
 from ...solving.solve import solve
 from ._harness import Option, command, find_tests, markdown
-from .routing_variants import drawn, features_of
-from .routing_variants import risky as at_risk
+from .routing_variants import drawn, features_of, risky as at_risk
 
 find_tests()
 

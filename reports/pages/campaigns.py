@@ -9,8 +9,7 @@ import numpy as np
 
 from ...formulations.rendering import Line
 from ..campaigns.frames import FIRST
-from ..campaigns.paired_tests import against as tests_against
-from ..campaigns.paired_tests import paired_table
+from ..campaigns.paired_tests import against as tests_against, paired_table
 from ..campaigns.profiles import draw_profile, profile
 from ..campaigns.summary import Summary, summary_of, summary_table
 from ..plots.drawing import COLOURS, INK, axes_without_display, chart_axes, entitle

@@ -1,7 +1,5 @@
 """Running commands inside this process."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from typing import Any

@@ -1,7 +1,5 @@
 """All commands are there, each with a word of help, and every exit code is told."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

@@ -1,7 +1,5 @@
 """The commands on sensing graphs, selections and max-min programs."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

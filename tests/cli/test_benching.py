@@ -1,7 +1,5 @@
 """``waybound bench``. Its runs are done in this process here; ``tests/reports/campaigns`` has those of their own."""
 
-from __future__ import annotations
-
 import csv
 from pathlib import Path
 from typing import Any

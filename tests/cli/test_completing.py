@@ -1,7 +1,5 @@
 """What the shell offers: names of what is registered, bundled instances and files, without loading any solver's package."""
 
-from __future__ import annotations
-
 import subprocess
 import sys
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """Outputs that could not be written are refused beforehand; every output is tried, and the code tells the first that failed."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

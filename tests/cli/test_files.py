@@ -1,7 +1,5 @@
 """``waybound export, convert, generate``."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

@@ -1,7 +1,5 @@
 """The way from an error to one line and an exit code."""
 
-from __future__ import annotations
-
 import warnings
 
 import pytest

@@ -1,7 +1,5 @@
 """``waybound check, bound, explain``."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

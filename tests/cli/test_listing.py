@@ -1,7 +1,5 @@
 """``waybound info, solvers, heuristics, instances``."""
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

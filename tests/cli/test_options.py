@@ -1,13 +1,10 @@
 """KEY=VALUE pairs, and numbers within bounds."""
 
-from __future__ import annotations
-
 import math
 
 import pytest
 from coded import coded
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.cli.options import MOST_WHOLE, bounded, parse_pairs, parse_value
 from waybound.instances.errors import UsageError

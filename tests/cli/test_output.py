@@ -1,7 +1,5 @@
 """Standard output that fails, or that knows few characters."""
 
-from __future__ import annotations
-
 import io
 import json
 import subprocess

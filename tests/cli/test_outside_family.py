@@ -1,7 +1,5 @@
 """A problem that no module of waybound knows goes through every command that shows, writes or judges it."""
 
-from __future__ import annotations
-
 import json
 
 import pytest

@@ -1,7 +1,5 @@
 """The command in a process of its own: exit codes, interrupts, pipes, start."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

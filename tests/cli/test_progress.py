@@ -1,7 +1,5 @@
 """Progress on standard error: only where somebody looks, and no harm where nobody can read it."""
 
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 from typing import Any

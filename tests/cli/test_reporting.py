@@ -1,13 +1,10 @@
 """``waybound ratio`` and ``waybound report``."""
 
-from __future__ import annotations
-
 import pytest
 
 import waybound as wb
+from waybound import Guarantee, Selection
 from waybound.cli.output import table_fits
-from waybound.formulations.evidence import Guarantee
-from waybound.formulations.sata.selections import Selection
 from waybound.heuristics.heuristic import HEURISTICS, Heuristic, Outcome
 from waybound.reports.ratios.guarantees import GuaranteePlan, run_plan
 from waybound.reports.ratios.judged_runs import Configuration

@@ -1,7 +1,5 @@
 """Routing data that make no sense: one clear line from Python and from the command line, naming what is wrong."""
 
-from __future__ import annotations
-
 import json
 import math
 

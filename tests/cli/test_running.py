@@ -1,7 +1,5 @@
 """``waybound run``."""
 
-from __future__ import annotations
-
 import json
 import os
 import signal

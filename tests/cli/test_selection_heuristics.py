@@ -1,7 +1,5 @@
 """Heuristics for selections and assignments, called as on a command line."""
 
-from __future__ import annotations
-
 import pytest
 
 

@@ -1,7 +1,5 @@
 """``waybound solve``."""
 
-from __future__ import annotations
-
 import dataclasses
 import json
 import os

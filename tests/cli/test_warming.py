@@ -1,7 +1,5 @@
 """``waybound warm``."""
 
-from __future__ import annotations
-
 from waybound.formulations.kernels import kernels
 
 

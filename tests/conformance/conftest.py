@@ -1,17 +1,14 @@
 """One suite for every backend: programs as arrays, and the conditions that answers must meet."""
 
-from __future__ import annotations
-
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
-import scipy.sparse as sp
+from programs import program
 
-from waybound.formulations.programs.program import Program, Rows, Variables
-from waybound.instances.errors import UnsupportedError
+from waybound import Program, UnsupportedError
 from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult
 from waybound.solvers.backends.cvxpy import solvers_found
 from waybound.solvers.program_backend import ProgramBackend
@@ -79,49 +76,13 @@ def engine_name(request: pytest.FixtureRequest) -> str:
     return str(request.param)
 
 
-def _program(
-    cost: Sequence[float],
-    matrix: Any,
-    row_lower: Any,
-    row_upper: Any,
-    lower: Any = 0.0,
-    upper: Any = INF,
-    *,
-    integer: Sequence[int] = (),
-    sense: str = "min",
-    offset: float = 0.0,
-    quadratic: Any = None,
-) -> Program:
-    n = len(cost)
-    a = matrix if sp.issparse(matrix) else sp.csr_matrix(np.asarray(matrix, dtype=float).reshape(-1, n))
-    m = a.shape[0]
-    spread = lambda values, size: np.array(np.broadcast_to(np.asarray(values, dtype=float), size))  # noqa: E731
-    low, high, price = spread(lower, n), spread(upper, n), np.asarray(cost, dtype=float)
-    chosen = set(integer)
-    columns = tuple(
-        Variables(f"x{j}", lower=low[j : j + 1], upper=high[j : j + 1], cost=price[j : j + 1], integer=j in chosen) for j in range(n)
-    )
-    rows = Rows(
-        "row", keys=(np.arange(m),), indptr=a.indptr.astype(np.int32), indices=a.indices.astype(np.int32),
-        data=np.asarray(a.data, dtype=float), lower=spread(row_lower, m), upper=spread(row_upper, m),
-    )  # fmt: skip
-    hessian = None if quadratic is None else sp.csr_matrix(np.asarray(quadratic, dtype=float))
-    return Program("conformance", sense, columns, (rows,), offset, hessian)
-
-
-@pytest.fixture(scope="session")
-def program() -> Callable[..., Program]:
-    """``program(cost, matrix, row_lower, row_upper, lower, upper, integer=, sense=, offset=, quadratic=)``."""
-    return _program
-
-
 @pytest.fixture(scope="session")
 def knapsack() -> Program:
     """Too hard to finish in seconds; first points are found at once. Thirty rows, 250 binaries, maximised."""
     rng = np.random.default_rng(0)
     m, n = 30, 250
     a = rng.integers(10, 1000, (m, n)).astype(float)
-    return _program(
+    return program(
         rng.integers(10, 1000, n).tolist(), a, -INF, np.floor(a.sum(axis=1) / 2), 0, 1, integer=range(n), sense="max", offset=5.0
     )
 
@@ -131,7 +92,7 @@ def branching() -> Program:
     """Takes a few nodes: eight rows, 60 binaries, maximised."""
     rng = np.random.default_rng(0)
     a = rng.integers(10, 1000, (8, 60)).astype(float)
-    return _program(rng.integers(10, 1000, 60).tolist(), a, -INF, np.floor(a.sum(axis=1) / 2), 0, 1, integer=range(60), sense="max")
+    return program(rng.integers(10, 1000, 60).tolist(), a, -INF, np.floor(a.sum(axis=1) / 2), 0, 1, integer=range(60), sense="max")
 
 
 @pytest.fixture(scope="session")
@@ -141,7 +102,7 @@ def market_split() -> Program:
     m, n = 6, 50
     a = rng.integers(0, 100, (m, n)).astype(float)
     half = np.floor(a.sum(axis=1) / 2)
-    return _program([0.0] * n, a, half, half, 0, 1, integer=range(n))
+    return program([0.0] * n, a, half, half, 0, 1, integer=range(n))
 
 
 def _check_kkt(program: Program, result: RawResult) -> None:

@@ -1,7 +1,5 @@
 """Every backend, and every solver within one, on the battery: nothing that they say of a small program is false."""
 
-from __future__ import annotations
-
 import functools
 import math
 from typing import Any

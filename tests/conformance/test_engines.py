@@ -1,7 +1,5 @@
 """Every routing engine: each feature it declares against enumeration, limits, starts, interrupts, and data with fractions."""
 
-from __future__ import annotations
-
 import threading
 import time
 from dataclasses import replace
@@ -9,17 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
-from oracles import optimum as first_level_optimum
-from oracles import small_problems
+from oracles import optimum as first_level_optimum, small_problems
 from patience import HANG
 from small_routing import FEATURES, small
 from truth.routing import best_values
 
-from waybound.formulations.routing.objective import LongestRoute, TotalCost, Vehicles
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Route, Routes
-from waybound.instances.errors import UnsupportedError, UsageError
-from waybound.instances.routing.instance import Sites, VehicleType
+from waybound import LongestRoute, Route, Routes, RoutingProblem, Sites, TotalCost, UnsupportedError, UsageError, Vehicles, VehicleType
 from waybound.instances.routing.travel import Travel
 from waybound.solvers.backend import BACKENDS, Control, Options
 from waybound.solvers.isolation import run_isolated

@@ -1,7 +1,5 @@
 """What every form says of its size before it is built, against what is built."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 
@@ -14,17 +12,14 @@ from explorations import random_map
 from joint_assignments import random_joint
 from knapsack_assignments import random_assignment
 from programs import program
-from risk_problems import around_a_box
-from risk_problems import problem as risks
+from risk_problems import around_a_box, problem as risks
 from selection_problems import random_problem
 from small_routing import FEATURES, WHOLE_FAMILY, plane, small, varied
 
 import waybound as wb
+from waybound import BalancedPartition, Problem, TaskAllocation
 from waybound.formulations.arrays.problem import ArrayProblem
-from waybound.formulations.auctions.balanced_partition import BalancedPartition
-from waybound.formulations.auctions.task_allocation import TaskAllocation
 from waybound.formulations.forms import FORMS
-from waybound.formulations.problem import Problem
 
 LEAST = 0.9
 """Of what is built: no estimate is smaller. Vehicles times moves are all but exact where there are many."""

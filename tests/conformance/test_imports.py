@@ -3,8 +3,6 @@
 Native libraries of the same name can push each other out: highspy 1.15 and OR-Tools 9.15 cannot be imported together.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import itertools
 import subprocess

@@ -1,13 +1,12 @@
 """Every program backend at a limit, on an interrupt and from a start: what is said then must be true."""
 
-from __future__ import annotations
-
 import threading
 import time
 
 import numpy as np
 import pytest
 from patience import HANG
+from programs import program
 
 from waybound.instances.errors import UsageError
 from waybound.solvers.backend import BACKENDS, Control, Options
@@ -100,7 +99,7 @@ def test_a_time_limit_without_an_incumbent_leaves_no_answer(market_split, solve_
     assert result.message
 
 
-def test_a_tiny_time_limit_of_an_lp_claims_nothing_false(program, solve_with):
+def test_a_tiny_time_limit_of_an_lp_claims_nothing_false(solve_with):
     rng = np.random.default_rng(3)
     m, n = 400, 600
     a = rng.random((m, n))
@@ -124,7 +123,7 @@ def test_a_node_limit_is_named_and_repeats_to_the_bit(branching, backend_name, s
     assert (result.answer == again.answer).all()
 
 
-def test_an_iteration_limit_of_an_lp_is_named(program, backend_name, solve_with):
+def test_an_iteration_limit_of_an_lp_is_named(backend_name, solve_with):
     rng = np.random.default_rng(4)
     a = rng.random((60, 80))
     lp = program(rng.random(80).tolist(), a, a.sum(axis=1) * 0.3, np.inf, 0, 1)
@@ -196,7 +195,7 @@ def test_progress_is_published_and_ends_at_the_result(knapsack, backend_name, so
         assert control.objective == pytest.approx(knapsack.value(control.answer), abs=1e-6)
 
 
-def test_a_second_model_with_other_threads_in_one_process(program, backend_name, solve_with):
+def test_a_second_model_with_other_threads_in_one_process(backend_name, solve_with):
     if made(backend_name).needs_process:
         pytest.skip(f"{backend_name} has a process of its own each time")
     # HiGHS 1.12 refuses another number of threads until its scheduler is reset.
@@ -222,12 +221,12 @@ def test_a_feasible_start_is_used(knapsack, backend_name, solve_with):
     assert again.statistics["start"] == "used"
 
 
-def test_an_infeasible_start_does_no_harm(program, backend_name, solve_with, check_optimum):
+def test_an_infeasible_start_does_no_harm(backend_name, solve_with, check_optimum):
     milp = program([5, 4, 3], [[2, 3, 1], [4, 1, 2], [3, 4, 2]], -np.inf, [5, 11, 8], 0, 9, integer=[0, 1, 2], sense="max")
     result = solve_with(milp, start=np.array([9.0, 9.0, 9.0]))
     check_optimum(milp, result, 13.0)
 
 
-def test_a_partial_start_is_completed_or_ignored(program, solve_with, check_optimum):
+def test_a_partial_start_is_completed_or_ignored(solve_with, check_optimum):
     milp = program([5, 4, 3], [[2, 3, 1], [4, 1, 2], [3, 4, 2]], -np.inf, [5, 11, 8], 0, 9, integer=[0, 1, 2], sense="max")
     check_optimum(milp, solve_with(milp, start=np.array([2.0, np.nan, np.nan])), 13.0)

@@ -1,8 +1,6 @@
 """Objectives in order of priority through every form and solver: the optimum of each level, the bound of each level, and what is left
 where a search ends between two of them."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 
@@ -12,24 +10,8 @@ from small_routing import small, varied
 from truth.routing import best_values
 
 import waybound as wb
-from waybound.formulations.programs.program import Program
-from waybound.formulations.routing.objective import (
-    Composable,
-    LatestReturn,
-    LongestRoute,
-    Makespan,
-    Objective,
-    Penalties,
-    Reward,
-    TotalCost,
-    TotalDuration,
-    Vehicles,
-)
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Routes
-from waybound.instances.errors import UnsupportedError
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import Travel
+from waybound import LatestReturn, LongestRoute, Program, Routes, RoutingProblem, Sites, Travel, UnsupportedError, VehicleType
+from waybound.formulations.routing.objective import Composable, Makespan, Objective, Penalties, Reward, TotalCost, TotalDuration, Vehicles
 from waybound.solvers.backend import BACKENDS, Control, LevelClaim, Options, RawResult
 from waybound.solvers.backends.highs import Highs
 from waybound.solving.search import Searched

@@ -1,7 +1,5 @@
 """Nobody ignores a feature of a routing problem: what declares it solves small problems that have it, what does not refuses by its name."""
 
-from __future__ import annotations
-
 import itertools
 import re
 from collections.abc import Callable
@@ -12,11 +10,10 @@ from draws import ALL
 from small_routing import WHOLE_FAMILY, simplified, varied
 from truth.routing import RoutingTruth
 
-from waybound.api import solve
+from waybound import UnsupportedError, solve
 from waybound.formulations.forms import FORMS
 from waybound.formulations.routing.checking.known_features import KNOWN
 from waybound.heuristics.heuristic import HEURISTICS
-from waybound.instances.errors import UnsupportedError
 from waybound.reports.benchmarks.routing_variants import drawn, risky, with_features
 from waybound.reports.tables.routing.routing_features import (
     ROWS,

@@ -1,20 +1,17 @@
 """Every solver through ``solve``: the same words in, a verified answer out, whatever the solver."""
 
-from __future__ import annotations
-
 import threading
 from typing import Any
 
 import numpy as np
 import pytest
 from patience import HANG
+from programs import program
 from small_routing import small
 from truth.routing import best_values
 
 import waybound as wb
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import Travel
+from waybound import RoutingProblem, Sites, Travel, VehicleType
 from waybound.solvers.backend import BACKENDS
 
 ROUTING = ("ortools", "pyvrp")
@@ -42,7 +39,7 @@ def test_all_solvers_find_the_optimum_of_small_problems(solver: str, feature: st
     assert solution.status in ("optimal", "feasible")
 
 
-def test_programs_that_are_not_routing_are_solved_as_they_are(solver: str, program) -> None:
+def test_programs_that_are_not_routing_are_solved_as_they_are(solver: str) -> None:
     if solver in ROUTING:
         pytest.skip("an engine for routing problems")
     solution = wb.solve(program([2, 3], [[1, 1]], 4.5, np.inf, integer=[1]), solver)

@@ -1,7 +1,5 @@
 """Runs the Python blocks and console sessions of a page in the working directory; prints what fails or comes out otherwise than shown."""
 
-from __future__ import annotations
-
 import re
 import sys
 import traceback

@@ -4,8 +4,6 @@ A page is made of files (blocks after a line that names them), console sessions 
 fault. ``pip install`` is done without pip, for it takes seconds: modules and entry points are put where pip puts them.
 """
 
-from __future__ import annotations
-
 import doctest
 import importlib
 import io

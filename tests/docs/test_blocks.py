@@ -1,7 +1,5 @@
 """Every fenced block of Python and every console session on the pages runs; what a session shows is what comes out."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

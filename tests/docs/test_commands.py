@@ -3,8 +3,6 @@
 Blocks that show what comes out are run by ``test_blocks``; here nothing is solved.
 """
 
-from __future__ import annotations
-
 import ast
 import re
 import shlex

@@ -1,7 +1,5 @@
 """Every block of the page on data runs, and says what the page says."""
 
-from __future__ import annotations
-
 import re
 import shlex
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Every parameter of the public interface is described: of functions, constructors and alternative constructors by an entry of its own."""
 
-from __future__ import annotations
-
 import inspect
 import re
 from collections.abc import Callable, Iterator

@@ -1,7 +1,5 @@
 """The pages for those who extend are followed to the letter, from outside the tree, and show what comes out."""
 
-from __future__ import annotations
-
 import os
 import re
 import subprocess

@@ -1,7 +1,5 @@
 """Cards of the gallery: six lines of code, a picture small enough for a phone, a value that was checked, and a bound."""
 
-from __future__ import annotations
-
 import io
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Notebooks are executed and told as Markdown: pictures beside the page, tables in blocks of their own, and nothing on standard error."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 

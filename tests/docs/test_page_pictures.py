@@ -1,7 +1,5 @@
 """Pictures of pages for the documentation."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

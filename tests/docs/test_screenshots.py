@@ -1,7 +1,5 @@
 """Pages are looked at by a browser, and what they write to its console is told."""
 
-from __future__ import annotations
-
 import shutil
 from pathlib import Path
 

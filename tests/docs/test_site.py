@@ -1,7 +1,5 @@
 """The site: pages that are made hold what is registered, notebooks have a title and a place, and all of it builds without a warning."""
 
-from __future__ import annotations
-
 import ast
 import os
 import re

@@ -4,8 +4,6 @@ Each case is one JSON file: the instance, what was asked, the answer and the cer
 Cases that lie here are never written again: each was made by the version that it names.
 """
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

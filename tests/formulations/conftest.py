@@ -1,7 +1,5 @@
 """Small random problems, and the optimum of each."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 
@@ -9,9 +7,7 @@ import numpy as np
 import pytest
 from truth.routing import best_values
 
-from waybound.formulations.routing.objective import Objective, TotalCost, Vehicles
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.routing.instance import Energy, Sites, VehicleType
+from waybound import Energy, Objective, RoutingProblem, Sites, TotalCost, Vehicles, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
 CHARGES = ("travel", "elapsed", "elapsed-fixed-start", "windows")

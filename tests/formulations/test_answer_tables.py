@@ -1,7 +1,3 @@
-"""Answers in CSV and in workbooks."""
-
-from __future__ import annotations
-
 import io
 import zipfile
 from pathlib import Path

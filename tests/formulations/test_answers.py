@@ -1,12 +1,7 @@
-"""Answers read from files and written by suffix."""
-
-from __future__ import annotations
-
 import json
 
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 import waybound as wb
 from waybound.formulations.answers import check_answer_path, read_answer, write_answer

@@ -1,7 +1,3 @@
-"""Certificates hold what evidence proves, and contradictions are errors."""
-
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Mapping
@@ -14,18 +10,13 @@ from coded import coded
 from programs import program
 
 import waybound as wb
+from waybound import Check, CheckFailedError, InputError, Reward, Routes, RoutingProblem, Travel, UsageError, Vehicles, Violation
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.certificate import SHOWN_VIOLATIONS, Certificate, certificate_lines, certify, check_certificate
-from waybound.formulations.evaluation import Check, Violation
 from waybound.formulations.evidence import CHECKERS, Evidence, Guarantee
-from waybound.formulations.routing.objective import Reward, Vehicles
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Routes
 from waybound.formulations.stop import Stop
 from waybound.formulations.verified_bounds import verified_bound
-from waybound.instances.errors import CheckFailedError, InputError, UsageError
 from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import Travel
 from waybound.solvers.bounds.routing.spanning_tree import spanning_tree_bound
 
 SQUARE = np.array([(0, 0), (3, 0), (3, 4), (0, 4)], dtype=float)

@@ -1,13 +1,8 @@
-"""A checklist keeps the largest residual of each check, and every violation."""
-
-from __future__ import annotations
-
 import json
 import math
 
 import numpy as np
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.formulations.evaluation import Check, Checklist, Evaluation, Violation, judge
 

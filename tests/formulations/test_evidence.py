@@ -1,13 +1,12 @@
-"""Evidence, reasons and guarantees travel as JSON, infinity included."""
-
-from __future__ import annotations
-
 import json
 import math
+from types import SimpleNamespace
 
 import pytest
+from coded import coded
 
-from waybound.formulations.evidence import Evidence, Guarantee, Reason
+import waybound as wb
+from waybound.formulations.evidence import CHECKERS, Evidence, Guarantee, Reason
 
 
 @pytest.mark.parametrize("value", [12.5, -1e300, math.inf, -math.inf, 5e-324])
@@ -47,3 +46,13 @@ def test_a_reason_that_is_named_as_its_kind_is_named_once() -> None:
     from waybound.formulations.evidence import Reason
 
     assert Reason("fleet", "fleet", "too small").name == "fleet" and Reason("site", "mill", "too far").name == "site mill"
+
+
+@pytest.mark.parametrize("kind", [kind for kind in CHECKERS if kind != "branching-tree"])  # which is for all families
+def test_evidence_for_other_families_is_refused(kind: str) -> None:
+    others = [SimpleNamespace(family="unheard-of", problem="none")]
+    if ".routing." not in CHECKERS[kind].__module__:
+        others.append(wb.read("demo-c25"))
+    for other in others:
+        with pytest.raises(wb.InputError, check=coded("foreign")):
+            CHECKERS[kind](other, {})

@@ -1,7 +1,3 @@
-"""Only exact forms are taken unasked; of a form that is named, no more is believed than its flag allows."""
-
-from __future__ import annotations
-
 import ast
 import inspect
 from dataclasses import replace
@@ -13,11 +9,9 @@ import pytest
 from programs import program
 
 import waybound as wb
+from waybound import Compiled, Exactness, UnsupportedError, UsageError
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.forms import FORMS, Form
-from waybound.formulations.programs.compiled import Compiled
-from waybound.formulations.programs.exactness import Exactness
-from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.solving.explaining import explain
 from waybound.solving.listing import missing_features
 

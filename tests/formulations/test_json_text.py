@@ -1,13 +1,8 @@
-"""Answers and certificates as standard JSON."""
-
-from __future__ import annotations
-
 import json
 import math
 
 import numpy as np
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.formulations.json_text import finite, json_text
 

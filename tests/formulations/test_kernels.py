@@ -1,7 +1,3 @@
-"""Kernels are compiled for the types that they declare, when they are first called, and off every clock."""
-
-from __future__ import annotations
-
 import importlib
 import importlib.util
 import operator

@@ -1,7 +1,3 @@
-"""Bounds of further levels: of all answers that are no worse before, derived again from their evidence."""
-
-from __future__ import annotations
-
 import copy
 import math
 from dataclasses import replace
@@ -14,12 +10,9 @@ from small_routing import WHOLE_FAMILY, few, plane, varied
 from truth.routing import best_values
 
 import waybound as wb
+from waybound import CheckFailedError, Evidence, InputError, Objective, Penalties, Reward, Sites, TotalCost, Vehicles
 from waybound.formulations.certificate import certify, check_certificate
-from waybound.formulations.evidence import Evidence
 from waybound.formulations.levels import best_level_bound, with_levels
-from waybound.formulations.routing.objective import Objective, Penalties, Reward, TotalCost, Vehicles
-from waybound.instances.errors import CheckFailedError, InputError
-from waybound.instances.routing.instance import Sites
 from waybound.solvers.bounds.routing.spanning_tree import spanning_tree_bound
 from waybound.solvers.bounds.routing.vehicles_needed import vehicles_needed
 

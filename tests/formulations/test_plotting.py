@@ -1,7 +1,3 @@
-"""The way from a solution to its picture."""
-
-from __future__ import annotations
-
 import subprocess
 import sys
 

@@ -1,7 +1,3 @@
-"""What every problem can do, unless its family does it in its own way."""
-
-from __future__ import annotations
-
 import pytest
 from coded import coded
 

@@ -1,7 +1,3 @@
-"""Text is a name and a whole number an index, unless numbers could be names of other things."""
-
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""Facts as people read them."""
-
-from __future__ import annotations
-
 from waybound.formulations.rendering import Line, as_html, as_text, number, percent
 
 

@@ -1,7 +1,3 @@
-"""Events of a search as a frame."""
-
-from __future__ import annotations
-
 import math
 
 import pytest

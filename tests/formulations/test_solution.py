@@ -1,7 +1,3 @@
-"""What a solution tells and shows."""
-
-from __future__ import annotations
-
 import inspect
 import pickle
 

@@ -1,7 +1,3 @@
-"""Solution files of exported models, judged by the problem; files of other models are refused."""
-
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

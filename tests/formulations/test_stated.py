@@ -1,16 +1,10 @@
-"""Fields of certificate files: what agrees, what does not, and what is malformed."""
-
-from __future__ import annotations
-
 import math
 from typing import Any
 
 import pytest
 
-from waybound.formulations.evaluation import Check, Evaluation, Violation
-from waybound.formulations.evidence import Evidence
+from waybound import Check, CheckFailedError, Evaluation, Evidence, InputError, Violation
 from waybound.formulations.stated import MOST_EVIDENCE, compare_answer, real, stated_evidence, stated_guarantee
-from waybound.instances.errors import CheckFailedError, InputError
 
 BROKEN = Evaluation((3.5,), (Check("load", False, math.inf, 2),), (Violation("load", "too much", math.inf, "truck 1"),), {})
 ENTRY = {"kind": "spanning-tree", "source": "", "value": 1, "data": {}}

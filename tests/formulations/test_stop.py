@@ -1,7 +1,3 @@
-"""A wish to end and a deadline reach Python and compiled loops alike."""
-
-from __future__ import annotations
-
 import os
 import threading
 import time

@@ -1,7 +1,5 @@
 """A compiled loop sees a flag that another thread sets while it runs, and does not see one that is not set."""
 
-from __future__ import annotations
-
 import threading
 
 import numpy as np

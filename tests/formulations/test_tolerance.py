@@ -1,13 +1,10 @@
 """What is within a limit, equal and closed does not depend on the unit of the data."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.formulations.tolerance import EQUAL, LIMIT, VECTOR, allowance, gap, ratio, room, same, widening
 

@@ -1,7 +1,3 @@
-"""What is said to be proved is what the certificate verifies, and nothing else."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

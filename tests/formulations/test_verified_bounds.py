@@ -1,14 +1,9 @@
-"""Bounds are what checkers derive, and are compared by the sense of the problem."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
-from waybound.formulations.routing.problem import RoutingProblem
+from waybound import RoutingProblem, Sites, VehicleType
 from waybound.formulations.stop import Stop
 from waybound.formulations.verified_bounds import beats_bound, better_bound, verified_bound
-from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.solvers.bounds.routing.spanning_tree import spanning_tree_bound
 

@@ -1,19 +1,12 @@
-"""The contract of heuristics: what they take, with which parameters, and what reaches them of what ``solve`` is told."""
-
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
 import pytest
 from selection_problems import cover_30
 
-from waybound.formulations.evidence import Evidence, Guarantee
-from waybound.formulations.programs.exactness import Exactness
-from waybound.formulations.sata.selections import Selection
+from waybound import Evidence, Exactness, Guarantee, Selection, UsageError
 from waybound.formulations.stop import Stop
 from waybound.heuristics.heuristic import HEURISTICS, Context, Heuristic, HeuristicWork, Outcome
-from waybound.instances.errors import UsageError
 from waybound.solvers.backend import Control, Options
 from waybound.solvers.linear_programs import LinearPrograms
 

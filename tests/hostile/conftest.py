@@ -4,8 +4,6 @@ A test asks ``share`` how many cases it shall run, draws them from ``numpy.rando
 the counts are printed at the end of the run.
 """
 
-from __future__ import annotations
-
 import os
 from collections import Counter
 from collections.abc import Callable, Iterable

@@ -1,7 +1,5 @@
 """Random tiny problems of every family, at every scale, against brute force in exact arithmetic: no false word is shown."""
 
-from __future__ import annotations
-
 import traceback
 from collections.abc import Callable, Iterator
 from fractions import Fraction
@@ -9,16 +7,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hostile_instances import AT_RISK, Units
-from hostile_instances import FAMILIES as CERTAIN
+from hostile_instances import AT_RISK, FAMILIES as CERTAIN, Units
 from hostile_judging import ENDED, away, of_bound, of_samples, of_solution
 from truth.families import Truth, truth
 
 import waybound as wb
-from waybound.formulations.problem import Problem
+from waybound import CheckFailedError, InputError, Problem, UnsupportedError
 from waybound.formulations.verified_bounds import verified_bound
 from waybound.heuristics.heuristic import HEURISTICS
-from waybound.instances.errors import CheckFailedError, InputError, UnsupportedError
 from waybound.solvers.backend import BACKENDS
 from waybound.solving.bounding import find_bounds
 

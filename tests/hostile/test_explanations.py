@@ -4,8 +4,6 @@ Sites that coincide, distances and service of zero, ties, tight windows, asymmet
 fleets from several depots, all four ways of charging energy, limits on duration and distance, least numbers of routes, optional sites.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace
@@ -15,13 +13,10 @@ import pytest
 from truth import routing as exact_routing
 
 import waybound as wb
-from waybound.formulations.evidence import Evidence
-from waybound.formulations.programs.program import Program, Rows, Variables
+from waybound import Energy, Evidence, Program, RoutingProblem, Rows, Sites, Variables, VehicleType
 from waybound.formulations.routing.fleet_need import fleet_conflicts, suspicions
-from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Stop
 from waybound.formulations.verified_bounds import verified_bound
-from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.solvers.bounds.routing.infeasibility import fleet_need_evidence, infeasible_site_evidence, too_few_vehicles_evidence
 from waybound.solving.explaining import explain, reasons_from_data

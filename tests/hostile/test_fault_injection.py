@@ -3,8 +3,6 @@
 Each stage up to the solution fails in turn: with a fault of the code, for want of memory, by an error of the system, by Ctrl-C.
 """
 
-from __future__ import annotations
-
 import dataclasses
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -16,12 +14,9 @@ from injected import BEST, TINY, VALUE, WORSE, InterruptAt, answer_in, failing, 
 from typer.testing import CliRunner
 
 import waybound as wb
+from waybound import CheckFailedError, Coverage, InputError, PartitionMatroid, Problem
 from waybound.cli.app import app
 from waybound.formulations.evidence import CHECKERS, Evidence
-from waybound.formulations.problem import Problem
-from waybound.instances.errors import CheckFailedError, InputError
-from waybound.instances.sata.constraints import PartitionMatroid
-from waybound.instances.sata.set_functions import Coverage
 from waybound.solvers.backend import RawResult
 from waybound.solvers.bounds import BOUNDS, replaced
 from waybound.solving.method import Run

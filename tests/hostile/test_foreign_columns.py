@@ -1,8 +1,6 @@
 """Random frames with columns under the names of other toolkits: each is refused with ours, or told as kept and not used; none is dropped
 in silence, from a frame or from a file."""
 
-from __future__ import annotations
-
 import datetime
 from collections.abc import Callable, Iterator
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Nothing that searches in this process goes on for long once it is asked to stop, and none is kept from its end by extreme weights."""
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Callable
@@ -14,14 +12,8 @@ import pytest
 from numba.core.event import install_recorder
 from programs import AnsweredBy
 
-from waybound.api import solve
-from waybound.formulations.auctions.bin_assignment import BinAssignment
-from waybound.formulations.auctions.generalised_assignment import GeneralisedAssignment
-from waybound.formulations.auctions.joint_assignment import JointAssignment
-from waybound.formulations.auctions.orchard_day import OrchardDay
-from waybound.formulations.auctions.room_exploration import RoomExploration
+from waybound import BinAssignment, GeneralisedAssignment, JointAssignment, OrchardDay, OrchardJobs, RiskAllocation, RoomExploration, solve
 from waybound.formulations.problem import Problem, problem_from_instance
-from waybound.formulations.risk.risk_allocation import RiskAllocation
 from waybound.formulations.routing.objective import LongestRoute, Objective, Reward
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
@@ -31,7 +23,6 @@ from waybound.formulations.stop import Stop
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.auctions.exploration_map import ExplorationMap
 from waybound.instances.auctions.orchard_grid import OrchardGrid
-from waybound.instances.auctions.orchard_jobs import OrchardJobs
 from waybound.instances.errors import WayboundError
 from waybound.instances.generating import generate
 from waybound.instances.routing.instance import Sites, VehicleType

@@ -1,7 +1,5 @@
 """Files of every kind that is read, after accidents and attacks: read, or refused in one line, quickly and in little memory."""
 
-from __future__ import annotations
-
 import copy
 import json
 import random

@@ -1,7 +1,5 @@
 """Random answers over the whole vocabulary of routing problems: every output tells one schedule, by which all was judged."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Files, plots and standard output that fail: each other output is written, and the answer is shown whatever becomes of them."""
 
-from __future__ import annotations
-
 import importlib
 import json
 import resource
@@ -15,9 +13,8 @@ import pytest
 from injected import BEST, TINY, InterruptAt, answer_in, failing, solver_of, ways
 from typer.testing import CliRunner
 
+from waybound import Certificate, Solution
 from waybound.cli.app import app
-from waybound.formulations.certificate import Certificate
-from waybound.formulations.solution import Solution
 from waybound.solvers.backend import RawResult
 
 cli = importlib.import_module("waybound.cli.solving")

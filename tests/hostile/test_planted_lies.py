@@ -1,7 +1,5 @@
 """Lies planted in trees that prove optima of every family: each is refused, or proves nothing that is false, and never what it states."""
 
-from __future__ import annotations
-
 import copy
 import json
 import math
@@ -23,15 +21,11 @@ from small_routing import drawn, plane, small
 from truth.families import truth
 from truth.routing import best_values
 
+from waybound import BottleneckSATA, Evidence, Problem, RoutingProblem, WayboundError
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.certificate import certify, check_certificate
-from waybound.formulations.evidence import Evidence
-from waybound.formulations.problem import Problem
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
 from waybound.formulations.stop import Stop
 from waybound.formulations.verified_bounds import verified_bound
-from waybound.instances.errors import WayboundError
 from waybound.reports.battery.kinds import KINDS
 from waybound.reports.battery.truth import program_truth
 from waybound.solvers.bounds.branching_tree import branching_tree_bound

@@ -1,7 +1,5 @@
 """Random problems at risk of any scale, against all their paths, or against all that any method says of them: no false word is shown."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
@@ -12,12 +10,10 @@ import pytest
 from hostile_instances import UNCERTAIN, Rng, Units, shaken
 
 import waybound as wb
-from waybound.formulations.problem import Problem
-from waybound.formulations.solution import Solution
+from waybound import Problem, Solution, UnsupportedError
 from waybound.formulations.tolerance import VECTOR
 from waybound.formulations.verified_bounds import verified_bound
 from waybound.heuristics.heuristic import HEURISTICS
-from waybound.instances.errors import UnsupportedError
 from waybound.solving.bounding import find_bounds
 
 SEED = 85

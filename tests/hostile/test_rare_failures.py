@@ -1,7 +1,5 @@
 """Joint risks from 1e-12 to 1/2 against quadrature: proved limits always hold, those of samples but for the doubt that they state."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Callable
 

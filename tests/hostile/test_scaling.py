@@ -1,7 +1,5 @@
 """The same problem in other units: the same verdicts, answers and ratios, and bounds in proportion, whatever finds or checks them."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Callable, Iterable
@@ -10,20 +8,15 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hostile_instances import AT_RISK, UNCERTAIN, Rng, Units, shaken
-from hostile_instances import FAMILIES as EXACT
+from hostile_instances import AT_RISK, FAMILIES as EXACT, UNCERTAIN, Rng, Units, shaken
 from hostile_judging import away
 
 import waybound as wb
+from waybound import CheckFailedError, Problem, Routes, RoutingProblem, Selection, WayboundError
 from waybound.formulations.evidence import CHECKERS, Evidence
 from waybound.formulations.forms import FORMS
-from waybound.formulations.problem import Problem
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Routes
-from waybound.formulations.sata.selections import Selection
 from waybound.formulations.verified_bounds import verified_bound
 from waybound.heuristics.heuristic import HEURISTICS
-from waybound.instances.errors import CheckFailedError, WayboundError
 from waybound.solvers.backend import BACKENDS
 from waybound.solving.bounding import find_bounds
 

@@ -1,7 +1,5 @@
 """Certificates with fields changed: refused in one line, or accepted with nothing false in them; the truth is known by enumeration."""
 
-from __future__ import annotations
-
 import copy
 import json
 import math
@@ -18,24 +16,16 @@ from scipy.special import ndtri
 from truth.routing import best_values
 
 import waybound as wb
+from waybound import Allocation, BottleneckSATA, Evaluation, MaxMinLP, Problem, Selection, Sites, Travel, VehicleType, WinnerTakesAllSATA
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.certificate import Certificate, certificate_lines, certificate_title, certify, check_certificate
-from waybound.formulations.evaluation import Evaluation
 from waybound.formulations.evidence import CHECKERS, Evidence
 from waybound.formulations.json_text import json_text
-from waybound.formulations.problem import Problem
 from waybound.formulations.rendering import as_text
-from waybound.formulations.risk.allocations import Allocation
 from waybound.formulations.routing.fleet_need import _small_groups, fleet_conflicts, proves, suspicions
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.formulations.sata.max_min_lp import MaxMinLP
-from waybound.formulations.sata.selections import Selection
-from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.formulations.stop import Stop
 from waybound.instances.document import parse_json
 from waybound.instances.errors import CheckFailedError, InputError, UsageError
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import Travel
 from waybound.solvers.bounds.routing import branch_price_cut
 from waybound.solving.bounding import find_bounds
 

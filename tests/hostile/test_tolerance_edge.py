@@ -1,7 +1,5 @@
 """Answers at the edge of what the judge lets pass: whatever it accepts beats no verified bound."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Callable, Iterator
@@ -14,18 +12,12 @@ from hostile_instances import FAMILIES, Rng, Units, numbers, risk_allocation, ro
 from hostile_judging import VANISHING
 from truth.families import truth
 
+from waybound import Allocation, CheckFailedError, InputError, Problem, Route, Routes, RoutingProblem, Selection, SubmodularSelection
 from waybound.formulations.certificate import certify
-from waybound.formulations.problem import Problem
-from waybound.formulations.risk.allocations import Allocation
 from waybound.formulations.routing.judge import schedule
 from waybound.formulations.routing.overrun import joint_overrun, route_overrun
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Route, Routes
-from waybound.formulations.sata.selections import Selection
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
 from waybound.formulations.stop import Stop
 from waybound.formulations.verified_bounds import verified_bound
-from waybound.instances.errors import CheckFailedError, InputError
 from waybound.instances.routing.instance import ENERGY_CHARGES, Energy
 from waybound.instances.sata.constraints import Knapsack
 from waybound.solvers.engines.risk.convex_allocation_steps.successive_tangents import SuccessiveTangents

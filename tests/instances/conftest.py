@@ -1,7 +1,5 @@
 """What the tests of this floor share."""
 
-from __future__ import annotations
-
 import textwrap
 from collections.abc import Callable
 from dataclasses import replace
@@ -11,10 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from waybound.instances.errors import InputError
+from waybound import InputError, RoutingInstance, Travel
 from waybound.instances.reading import read_instance
-from waybound.instances.routing.instance import RoutingInstance
-from waybound.instances.routing.travel import Travel
 
 SITE_ARRAYS = ("depot", "demand", "ready", "due", "service", "reward", "required", "penalty", "pickup", "further_demand", "further_pickup")
 

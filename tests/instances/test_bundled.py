@@ -1,7 +1,3 @@
-"""Bundled instances."""
-
-from __future__ import annotations
-
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -11,13 +7,10 @@ import numpy as np
 import pytest
 from coded import coded
 
+from waybound import Cardinality, Coverage, SelectionInstance, UsageError
 from waybound.instances import data
 from waybound.instances.bundled import RECIPES, bundled_names, bundled_path, regenerate
-from waybound.instances.errors import UsageError
 from waybound.instances.reading import read_instance
-from waybound.instances.sata.constraints import Cardinality
-from waybound.instances.sata.selection import SelectionInstance
-from waybound.instances.sata.set_functions import Coverage
 from waybound.instances.writing import write_instance
 
 GENERATED = [name for name in bundled_names() if not RECIPES[name].source]

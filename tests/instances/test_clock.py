@@ -1,7 +1,3 @@
-"""Times as numbers in a stated unit, and back."""
-
-from __future__ import annotations
-
 import datetime
 import math
 from typing import Any
@@ -10,8 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from coded import coded
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.instances.clock import SECONDS, Clock, Times, moment_told, unit_named
 from waybound.instances.errors import InputError, UsageError

@@ -1,7 +1,3 @@
-"""What a declaration makes of an instance: the same digests and the same JSON in every version of waybound."""
-
-from __future__ import annotations
-
 import hashlib
 import math
 from collections.abc import Callable
@@ -11,19 +7,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from waybound.instances.auctions.assignment import AssignmentInstance
-from waybound.instances.auctions.exploration_map import ExplorationMap
-from waybound.instances.auctions.generalised_assignment import GeneralisedAssignmentInstance
+from waybound import AssignmentInstance, ExplorationMap, GeneralisedAssignmentInstance, OrchardJobs, RiskyGraph, RobotTasks, UncertainGraph
 from waybound.instances.auctions.joint_assignment import JointAssignmentInstance
 from waybound.instances.auctions.orchard_grid import OrchardGrid
-from waybound.instances.auctions.orchard_jobs import OrchardJobs
-from waybound.instances.auctions.robot_tasks import RobotTasks
 from waybound.instances.bundled import bundled_path
 from waybound.instances.generating import generate
 from waybound.instances.reading import read_instance
 from waybound.instances.risk.elements import AccessRisk, LocaleRisk, MoveRisk
-from waybound.instances.risk.risky_graph import RiskyGraph
-from waybound.instances.risk.uncertain_graph import UncertainGraph
 from waybound.instances.sata.constraints import Knapsack
 from waybound.instances.sata.max_min_lp import MaxMinInstance, SparseMatrix
 from waybound.instances.sata.selection import SelectionInstance

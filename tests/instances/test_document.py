@@ -1,7 +1,5 @@
 """Parsed JSON: what the standard does not know is refused with its line, what a key must hold with its path."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from typing import Any
@@ -9,8 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from coded import coded
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.instances import document
 from waybound.instances.document import DEEPEST, dump_json, fields, json_number, json_numbers, kind_of, parse_json

@@ -1,7 +1,3 @@
-"""Errors: one line each, with an exit code."""
-
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from typing import get_args

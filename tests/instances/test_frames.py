@@ -1,7 +1,3 @@
-"""Columns of frames."""
-
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,13 +1,8 @@
-"""What all generators have in common."""
-
-from __future__ import annotations
-
 from typing import Any
 
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from waybound.instances.errors import UsageError
 from waybound.instances.formats.waybound_json import write

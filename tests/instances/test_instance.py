@@ -1,7 +1,3 @@
-"""The digest of data: the same on every machine, different for different data."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """Kinds of waybound's JSON: each writes what it reads, and refuses keys that it does not know."""
 
-from __future__ import annotations
-
 import pytest
 
 from waybound.instances.document import dump_json, parse_json

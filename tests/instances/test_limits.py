@@ -1,7 +1,3 @@
-"""Numbers that users set, and what no machine can do."""
-
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,16 +1,13 @@
 """What needs more memory than there is, is refused before anything is made."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from waybound import Travel, UsageError
 from waybound.instances import memory
-from waybound.instances.errors import UsageError
 from waybound.instances.routing import travel
-from waybound.instances.routing.travel import Travel
 
 
 def test_something_is_known_of_this_machine() -> None:

@@ -1,14 +1,9 @@
-"""Arrays as they come from a user."""
-
-from __future__ import annotations
-
 from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.instances import number_arrays as arrays
 from waybound.instances.errors import InputError

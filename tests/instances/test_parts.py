@@ -1,7 +1,3 @@
-"""Parts that fields are declared by, in a kind of three crews."""
-
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Annotated, Any

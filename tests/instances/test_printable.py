@@ -1,10 +1,5 @@
-"""Text as it may be shown."""
-
-from __future__ import annotations
-
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.instances.errors import InputError, UnsupportedError, UsageError
 from waybound.instances.printable import LONGEST_LINE, one_line, printable

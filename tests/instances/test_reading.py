@@ -1,7 +1,3 @@
-"""Recognition of formats, and what every reader has in common."""
-
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

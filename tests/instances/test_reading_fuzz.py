@@ -1,7 +1,5 @@
 """Every reader on spoilt files: an instance that reads back the same, or one line of complaint. Nothing else may come out."""
 
-from __future__ import annotations
-
 import json
 import re
 import tracemalloc
@@ -12,53 +10,29 @@ from typing import Any
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from file_cases import tsplib
+from file_texts import LI_LIM, MDVRP, OP, TOPTW, VROOM, VRPSPD
+from hypothesis import HealthCheck, given, settings, strategies as st
 
+from waybound import Cardinality, InputError, Knapsack, PartitionMatroid, SelectionInstance, SensingGraph, WayboundError
 from waybound.instances import text as texts
 from waybound.instances.bundled import bundled_path
-from waybound.instances.errors import InputError, WayboundError
 from waybound.instances.formats import FORMATS, waybound_json
 from waybound.instances.generating import generate
 from waybound.instances.reading import read_instance
 from waybound.instances.routing.formats import sites_csv
 from waybound.instances.routing.solution_files import routes_from_text
-from waybound.instances.sata.constraints import Cardinality, Knapsack, PartitionMatroid
 from waybound.instances.sata.max_min_lp import MaxMinInstance, SparseMatrix
-from waybound.instances.sata.selection import SelectionInstance
-from waybound.instances.sata.sensing_graph import SensingGraph
 from waybound.instances.sata.set_functions import Coverage, DenseFacilityLocation, FacilityLocation
 
 TSP = (
     "NAME: t\nTYPE: TSP\nDIMENSION: 4\nEDGE_WEIGHT_TYPE: EXPLICIT\nEDGE_WEIGHT_FORMAT: UPPER_ROW\nEDGE_WEIGHT_SECTION\n1 2 3\n4 5\n6\nEOF\n"
 )
-VRPTW = """\
-NAME: A-n3-k2
-TYPE: VRPTW
-DIMENSION: 3
-EDGE_WEIGHT_TYPE: GEO
-CAPACITY: 9
-NODE_COORD_SECTION
-1 1.5 2
-2 1.3 2.1
-3 1 1
-DEMAND_SECTION
-1 0
-2 3
-3 4
-TIME_WINDOW_SECTION
-1 0 9999
-2 10 5000
-3 0 9000
-SERVICE_TIME_SECTION
-1 0
-2 5
-3 5
-DEPOT_SECTION
-1
--1
-EOF
-"""
+VRPTW = tsplib(
+    "NAME: A-n3-k2", "TYPE: VRPTW", "DIMENSION: 3", "EDGE_WEIGHT_TYPE: GEO", "CAPACITY: 9", NODE_COORD_SECTION="1 1.5 2|2 1.3 2.1|3 1 1",
+    DEMAND_SECTION="1 0|2 3|3 4", TIME_WINDOW_SECTION="1 0 9999|2 10 5000|3 0 9000", SERVICE_TIME_SECTION="1 0|2 5|3 5",
+    DEPOT_SECTION="1|-1",
+) + "EOF\n"  # fmt: skip
 EDGES = """\
 # name: e
 # problem: winner-takes-all
@@ -72,114 +46,14 @@ robot,action,target,weight
 2,b,1,3
 ,,9,
 """
-OPLIB = """\
-NAME : t
-TYPE : OP
-DIMENSION : 3
-COST_LIMIT : 9
-EDGE_WEIGHT_TYPE : EUC_2D
-NODE_COORD_SECTION
-1 0 0
-2 3 0
-3 0 4
-NODE_SCORE_SECTION
-1 1
-2 7
-3 5
-DEPOT_SECTION
-1
--1
-EOF
-"""
 TSILIGIRIDES = "15\t1\n10.5\t14.4\t0\n11.2\t14.1\t0\n18\t15.9\t10\n18.3\t13.3\t15\n"
 CHAO = "n 4\nm 2\ntmax 22.5\n10.5\t14.4\t0\n18\t15.9\t10\n18.3\t13.3\t12\n11.2\t14.1\t0\n"
 MTSP = "four EUC_2D 2\n1 0 0\n2 1 1\n3 3 4.5\n4 0 -2\n"
-CORDEAU = """\
-2 2 3 2
-60 80
-0 90
-1 3 5 0 7 1 2 1 2
-2 4 4 5 30 1 2 1 2
-3 5 6 0 16 1 2 1 2
-4 2 2 0 0 0 0
-5 6 5 0 0 0 0
-"""
-TOPTW = """\
-5 3 3 4
-500 200
-0 1.5 2 0 0 0 0 0 1000
-1 3 4 2 12 4 1 15 354 509
-2 3 5 7 8 4 1 15 234 401
-3 2 5 1 9 1 2 1 2 0 401
-"""
-LI_LIM = (
-    "25\t200\t1\n0\t40\t50\t0\t0\t1236\t0\t0\t0\n1\t45\t68\t-10\t0\t967\t90\t3\t0\n"
-    "2\t42.5\t66\t10\t65\t146\t90\t0\t4\n3\t42\t68\t10\t0\t782\t90\t0\t1\n4\t40\t69\t-10\t15\t367\t90\t2\t0\n"
-)
-VRPSPD = """\
-NAME : both
-TYPE : VRPSPD
-DIMENSION : 3
-VEHICLES : 2
-CAPACITY : 10
-EDGE_WEIGHT_TYPE : EXACT_2D
-NODE_COORD_SECTION
-1 0 0
-2 1 1
-3 0 4
-PICKUP_AND_DELIVERY_SECTION
-1 0 0 10000000 0 0 0
-2 0 0 10000000 0 3 7
-3 0 0 10000000 5 2 8
-DEPOT_SECTION
-1
--1
-EOF
-"""
-SQUARE = [[0, 210, 19, 129], [213, 0, 225, 315], [19, 225, 0, 110], [129, 315, 110, 0]]
-VROOM = {
-    "vehicles": [
-        {"id": 1, "start_index": 0, "end_index": 0, "capacity": [4, 9], "skills": [1], "time_window": [0, 4320]},
-        {"id": 7, "profile": "bike", "start_index": 3, "capacity": [2, 1], "costs": {"fixed": 5, "per_hour": 0, "per_km": 200},
-         "max_travel_time": 5000, "max_distance": 9000},
-    ],
-    "jobs": [
-        {"id": 1, "service": 30, "delivery": [1, 0], "location_index": 1, "skills": [1], "time_windows": [[324, 3600]]},
-        {"id": 2, "pickup": [1, 2], "location_index": 2, "priority": 10, "time_windows": [[324, 360], [370, 380]]},
-    ],
-    "shipments": [{"amount": [1, 3], "pickup": {"id": 2, "location_index": 2}, "delivery": {"id": 6, "location_index": 3}}],
-    "matrices": {"car": {"durations": SQUARE}, "bike": {"durations": SQUARE, "distances": SQUARE}},
-}  # fmt: skip
-RICH = """NAME : rich
-DIMENSION : 4
-EDGE_WEIGHT_TYPE : EUC_2D
-VEHICLES_UNIT_DISTANCE_COST : 2
-NODE_COORD_SECTION
-1 0 0
-2 10 0
-3 1 2
-4 2 1
-DEMAND_SECTION
-1 0
-2 0
-3 4
-4 4
-PRIZE_SECTION
-1 0
-2 0
-3 0
-4 9
-DEPOT_SECTION
-1
-2
--1
-VEHICLES_DEPOT_SECTION
-1 1
-2 2
-CAPACITY_SECTION
-1 10
-2 4
-EOF"""
+RICH = tsplib(
+    "NAME : rich", "DIMENSION : 4", "EDGE_WEIGHT_TYPE : EUC_2D", "VEHICLES_UNIT_DISTANCE_COST : 2",
+    NODE_COORD_SECTION="1 0 0|2 10 0|3 1 2|4 2 1", DEMAND_SECTION="1 0|2 0|3 4|4 4", PRIZE_SECTION="1 0|2 0|3 0|4 9",
+    DEPOT_SECTION="1|2|-1", VEHICLES_DEPOT_SECTION="1 1|2 2", CAPACITY_SECTION="1 10|2 4",
+) + "EOF"  # fmt: skip
 GEOJSON = {
     "type": "FeatureCollection", "vehicles": 2, "capacity": 9.5, "time_unit": "min", "speed": 40, "shipments": [["1", "2", 3]],
     "features": [
@@ -210,15 +84,15 @@ BASES = {
     "csv": sites_csv.write(generate("random", 1, windows=True)).split("\n"),  # type: ignore[arg-type]
     "json": waybound_json.write(generate("random", 2, windows=True, metric="explicit", customers=3)).split("\n"),
     "edges": EDGES.split("\n"),
-    "vrplib-op": OPLIB.split("\n"),
+    "vrplib-op": OP.split("\n"),
     "tsiligirides": TSILIGIRIDES.split("\n"),
     "taillard": ["3", "0 40 40 0", "1 22 22 18", "2 36 26 26", "3 21 45 11", "2", "20 20 1.0 0 50", "30 35 1.1 0 2", ""],
     "chao": CHAO.split("\n"),
     "mtsp": MTSP.split("\n"),
-    "cordeau": CORDEAU.split("\n"),
+    "cordeau": MDVRP.split("\n"),
     "toptw": TOPTW.split("\n"),
     "li-lim": LI_LIM.split("\n"),
-    "vrplib-vrpspd": VRPSPD.split("\n"),
+    "vrplib-vrpspd": VRPSPD.replace("MVRPB", "VRPSPD").split("\n"),
     "vroom": json.dumps(VROOM, indent=1).split("\n"),
     "vrplib-rich": RICH.split("\n"),
     "geojson": json.dumps(GEOJSON, indent=1).split("\n"),

@@ -4,8 +4,6 @@ Two sources: the folder of WAYBOUND_BENCHMARKS, and the package VRPSolverEasy of
 Gehring and Homberger and CVRPLIB, so that real files are read on any machine.
 """
 
-from __future__ import annotations
-
 import csv
 import importlib.util
 from collections.abc import Callable, Iterator

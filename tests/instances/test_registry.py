@@ -1,7 +1,3 @@
-"""The registry that everything registers itself in."""
-
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path

@@ -1,7 +1,3 @@
-"""What a misspelt name may have been meant for."""
-
-from __future__ import annotations
-
 import pytest
 
 from waybound.instances.suggestions import did_you_mean, nearest

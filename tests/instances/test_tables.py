@@ -1,7 +1,3 @@
-"""Tables of the documentation."""
-
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,14 +1,9 @@
-"""Decoding, lines and numbers of input files."""
-
-from __future__ import annotations
-
 import os
 from pathlib import Path
 
 import pytest
 from coded import coded
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.instances import text as t
 from waybound.instances.errors import InputError
@@ -19,20 +14,13 @@ def test_a_missing_file_is_refused_by_name(tmp_path: Path) -> None:
         t.read_text(tmp_path / "none.txt")
 
 
-def test_a_directory_is_refused(tmp_path: Path) -> None:
+DEVICE = pytest.param("/dev/zero", marks=pytest.mark.skipif(not Path("/dev/zero").exists(), reason="needs a device file"))
+
+
+@pytest.mark.parametrize("path", [".", "a\0b", DEVICE])
+def test_what_is_no_file_is_refused_unread(path: str) -> None:
     with pytest.raises(InputError, check=coded("file")):
-        t.read_text(tmp_path)
-
-
-def test_a_path_with_a_nul_is_refused() -> None:
-    with pytest.raises(InputError, check=coded("file")):
-        t.read_text("a\0b")
-
-
-@pytest.mark.skipif(not Path("/dev/zero").exists(), reason="needs a device file")
-def test_a_device_is_refused_unread() -> None:
-    with pytest.raises(InputError, check=coded("file")):
-        t.read_text("/dev/zero")
+        t.read_text(path)
 
 
 @pytest.mark.skipif(os.geteuid() == 0, reason="the superuser may read everything")

@@ -1,6 +1,5 @@
-"""The contract of worlds: names, settings, seeds."""
-
-from __future__ import annotations
+import math
+import pickle
 
 import pytest
 
@@ -19,6 +18,21 @@ def test_every_world_is_made_with_its_defaults_and_does_the_three_things():
         world.step({})
         assert world.time == 1
         assert set(world.metrics()) == before
+
+
+@pytest.mark.parametrize("name", sorted(set(WORLDS) - {"plume-exploration"}))  # which holds what cannot be pickled
+def test_the_same_seed_gives_the_same_world_and_another_one_another(name):
+    one, same, other = (pickle.dumps(make_world(name, seed)) for seed in (5, 5, 6))
+    assert one == same != other
+
+
+@pytest.mark.parametrize("name", list(WORLDS))
+def test_every_setting_out_of_its_range_is_refused(name):
+    for key, setting in WORLDS[name].settings.items():
+        for value in (setting.least - 1, setting.most + 1):
+            if math.isfinite(value):
+                with pytest.raises(UsageError, match=f"{key} must lie between {setting.least:g}"):
+                    make_world(name, 1, **{key: value})
 
 
 def test_an_unknown_world_lists_the_known_ones():

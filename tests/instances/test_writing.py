@@ -1,7 +1,3 @@
-"""Writing of instances by name and by suffix."""
-
-from __future__ import annotations
-
 from collections.abc import Callable
 from pathlib import Path
 

@@ -4,8 +4,6 @@ Source: jmschrei/apricot, its tests of facility location and of maximum coverage
 the 1,797 handwritten digits of scikit-learn, and of 300 drawn sets; 3 lines each there beside the data, 1 here.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,5 @@
 """The family of docs/adding-a-problem.md: small, of one import, and right in what it proves, whatever it is given."""
 
-from __future__ import annotations
-
 import importlib.util
 import itertools
 import math

@@ -4,8 +4,6 @@ Source: ``tutorials/Basic Usage.ipynb`` of submodlib, which draws 500 points aro
 choose ten of them by naive and by lazy greedy, 5 lines each beside the data.
 """
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

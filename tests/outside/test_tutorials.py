@@ -4,8 +4,6 @@ Each case stands beside the published objective and beside the lines of code tha
 comments and blank lines, counted by hand and rounded down.
 """
 
-from __future__ import annotations
-
 import inspect
 import json
 from collections.abc import Callable

@@ -1,7 +1,5 @@
 """A family from an installed package outside the tree is solved, certified, read, checked and listed; no module of waybound knows of it."""
 
-from __future__ import annotations
-
 import json
 import os
 import subprocess

@@ -4,8 +4,6 @@ Means over 200 instances there (100 for the heights). A mean over N instances he
 targets, or 0.08 of a share, for differences between the generators.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

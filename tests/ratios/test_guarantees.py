@@ -3,8 +3,6 @@
 Short here; in full by ``waybound ratio all --instances 10000`` or ``pytest -m long tests/ratios``.
 """
 
-from __future__ import annotations
-
 import pytest
 
 from waybound.heuristics.heuristic import HEURISTICS

@@ -1,19 +1,11 @@
 """What no guarantee is claimed for: rounding, greedy on a bottleneck, random choice, more layers. Each with the case that refutes it."""
 
-from __future__ import annotations
-
 import pytest
 
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
-from waybound.instances.errors import UsageError
-from waybound.instances.sata.constraints import Cardinality
-from waybound.instances.sata.set_functions import UserFunction
+from waybound import BottleneckSATA, Cardinality, SubmodularSelection, UsageError, UserFunction
 from waybound.reports.ratios.judged_runs import judge, run_heuristic
 from waybound.reports.ratios.optimum import optimum
-from waybound.reports.studies.sata.families import max_min as graphs
-from waybound.reports.studies.sata.families import selection as random
-from waybound.reports.studies.sata.families import selection_traps as traps
+from waybound.reports.studies.sata.families import max_min as graphs, selection as random, selection_traps as traps
 
 
 def whole(rows, name="case"):

@@ -1,7 +1,5 @@
 """The ratio suite alone notices faults planted into heuristics, their statements and the checker; docs/ratios.md#planted-faults."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,14 +1,11 @@
 """Guarantees on instances that hypothesis makes, and shrinks where one is broken: the failing test prints the instance as a file."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import given, note, settings
-from hypothesis import strategies as st
+from hypothesis import given, note, settings, strategies as st
 from ratio_strategies import assignments, bottlenecks, selections
 
 from waybound.reports.ratios.judged_runs import judge, run_heuristic

@@ -1,18 +1,14 @@
 """Adversarial instances: the ratios known for them are attained, and the optima by construction are the optima."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
 
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
-from waybound.instances.sata.constraints import Cardinality
+from waybound import Cardinality, SubmodularSelection
 from waybound.reports.ratios.judged_runs import judge, ratio_of, run_heuristic
 from waybound.reports.ratios.optimum import optimum
-from waybound.reports.studies.sata.families import max_min as graphs
-from waybound.reports.studies.sata.families import selection_traps as traps
+from waybound.reports.studies.sata.families import max_min as graphs, selection_traps as traps
 from waybound.reports.studies.sata.families.optima import MOST_ELEMENTS
 
 EXACT = {"search": "secant", "eps": 1e-6, "ball": False}

@@ -1,8 +1,6 @@
 """Allocations with known optima: costs of the risks themselves as programs over cones, choices with risks, and what Boole's inequality
 leaves unused."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

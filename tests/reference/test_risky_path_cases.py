@@ -1,7 +1,5 @@
 """Risky paths: the tables of the source, and the small graphs that tell its planners apart."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The reference cases of simultaneous action and target assignment on every installed solver that can take them."""
 
-from __future__ import annotations
-
 import itertools
 import json
 import math
@@ -12,12 +10,10 @@ import pytest
 from sata_cases import CASES
 
 import waybound as wb
+from waybound import BottleneckSATA, UnsupportedError, WinnerTakesAllSATA
 from waybound.formulations.certificate import check_certificate
 from waybound.formulations.programs.program import INTEGERS, LINEAR, QUADRATIC
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
 from waybound.formulations.verified_bounds import verified_bound
-from waybound.instances.errors import UnsupportedError
 from waybound.solvers.backend import BACKENDS, Control, Options, RawResult
 from waybound.solvers.program_backend import takers
 

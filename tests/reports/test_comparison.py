@@ -1,7 +1,3 @@
-"""What is made of the runs of a comparison: the best answer, the best bound, and gaps to it, level by level."""
-
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any
@@ -10,9 +6,8 @@ import pytest
 from coded import coded
 
 import waybound as wb
-from waybound.formulations.evidence import Evidence
+from waybound import Evidence, Problem
 from waybound.formulations.levels import LevelBound
-from waybound.formulations.problem import Problem
 from waybound.instances.errors import Code
 from waybound.reports.comparison import Compared, Comparison, _contradictions
 from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult

@@ -1,7 +1,5 @@
 """Problems that break the process that solves them; sent to children by the tests of isolation."""
 
-from __future__ import annotations
-
 import os
 import signal
 import time

@@ -1,7 +1,3 @@
-"""The line between ``solve`` and what searches: incumbents go out, the wish to stop comes in, and each solver is asked what it can take."""
-
-from __future__ import annotations
-
 import threading
 from typing import Any
 
@@ -10,9 +6,8 @@ import pytest
 from coded import coded
 from programs import program
 
+from waybound import Evidence, MissingPackageError, UsageError
 from waybound.formulations.arrays.problem import ArrayProblem
-from waybound.formulations.evidence import Evidence
-from waybound.instances.errors import MissingPackageError, UsageError
 from waybound.solvers.backend import BACKENDS, Control, Engine, Needs, Options, RawResult, solver_named
 from waybound.solvers.program_backend import ProgramBackend
 

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import dataclasses
 import os
 import pickle
@@ -18,10 +16,8 @@ from coded import coded
 from patience import HANG
 from small_routing import FEATURES, small
 
-from waybound.api import solve
-from waybound.formulations.routing.problem import RoutingProblem
+from waybound import RoutingProblem, UnsupportedError, UsageError, solve
 from waybound.formulations.stop import now
-from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.solvers import isolation
 from waybound.solvers.backend import Control, Options, RawResult
 from waybound.solvers.isolation import run_isolated
@@ -100,10 +96,11 @@ def test_incumbents_stream_to_the_parent() -> None:
     assert control.answer is not None
 
 
-def test_a_crash_costs_only_that_solve(misbehaving) -> None:
-    result = run_isolated("pyvrp", misbehaving("crash"), Options(time_limit=10), Control())
+@pytest.mark.parametrize(("how", "words"), [("crash", "SIGSEGV"), ("exit", "code 3")])
+def test_an_end_of_the_child_costs_only_that_solve_and_is_reported(how: str, words: str, misbehaving) -> None:
+    result = run_isolated("pyvrp", misbehaving(how), Options(time_limit=10), Control())
     assert result.status == "error"
-    assert "SIGSEGV" in result.message
+    assert words in result.message
 
 
 def test_an_answer_published_before_a_crash_survives(misbehaving) -> None:
@@ -112,12 +109,6 @@ def test_an_answer_published_before_a_crash_survives(misbehaving) -> None:
     result = run_isolated("pyvrp", misbehaving("crash"), Options(time_limit=10), control)
     assert (result.status, result.answer, result.objective) == ("feasible", "the best so far", 1.0)
     assert "SIGSEGV" in result.message
-
-
-def test_a_child_that_just_leaves_is_reported_with_its_code(misbehaving) -> None:
-    result = run_isolated("pyvrp", misbehaving("exit"), Options(time_limit=10), Control())
-    assert result.status == "error"
-    assert "code 3" in result.message
 
 
 def test_a_fault_in_the_engine_is_told_in_one_line(misbehaving) -> None:

@@ -1,7 +1,3 @@
-"""Whoever solves linear programs on the way: same bounds, ends when asked to, and is told seed and threads."""
-
-from __future__ import annotations
-
 import threading
 from typing import Any
 
@@ -11,12 +7,10 @@ from oracles import OCTO_8, routing
 from programs import Counting, Patient, program
 from random_sensing import optimum, random_graph
 
-from waybound.formulations.programs.compiled import Compiled
+from waybound import BottleneckSATA, Compiled, MissingPackageError, UnsupportedError, UsageError, WayboundError
 from waybound.formulations.programs.program import LINEAR, Program, Rows, Variables
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
 from waybound.formulations.stop import Stop
 from waybound.formulations.verified_bounds import verified_bound
-from waybound.instances.errors import MissingPackageError, UnsupportedError, UsageError, WayboundError
 from waybound.solvers.backend import BACKENDS, LP_SOLVER
 from waybound.solvers.backends.scip import Scip
 from waybound.solvers.bounds.linear_relaxation import linear_relaxation_bound

@@ -1,7 +1,3 @@
-"""One linear program with changing bounds gives what it gives when it is solved afresh."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""A solver's own options: in the types that they have, or refused with what would do."""
-
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

@@ -1,7 +1,3 @@
-"""What is installed is looked for once."""
-
-from __future__ import annotations
-
 import importlib.util
 from importlib.metadata import PackageNotFoundError
 

@@ -1,7 +1,5 @@
 """Levels of priority are searched one after the other, and what was reached stays, at any scale and wherever a search ends."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

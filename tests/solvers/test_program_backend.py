@@ -1,55 +1,42 @@
-"""What all program backends do alike: trivial programs, the solver's last word, infeasible or unbounded, options that are common."""
-
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from types import MappingProxyType
 
 import numpy as np
 import pytest
+from programs import sane
 
 from tests.programs import program as dense
-from waybound.formulations.programs.exactness import Exactness
-from waybound.formulations.programs.program import INTEGERS, LINEAR, QUADRATIC, Program, Rows, Variables
+from waybound import Exactness, UnsupportedError
+from waybound.formulations.programs.program import INTEGERS, LINEAR, QUADRATIC, Program, Rows
 from waybound.formulations.programs.reductions.minimisation import MINIMISATION
-from waybound.instances.errors import UnsupportedError
 from waybound.solvers.backend import Control, Options, RawResult, solver_named
 from waybound.solvers.program_backend import ProgramBackend, kinds_of, settled, takers
 
 
-def program(indices=(0, 1), data=(1.0, 1.0), lower=(0.0, 0.0), upper=(1.0, 1.0), side=(1.0, math.inf)) -> Program:
-    x = Variables("x", keys=(np.arange(2),), lower=np.array(lower), upper=np.array(upper), cost=np.ones(2))
-    rows = Rows(
-        "need", indptr=np.array([0, len(indices)], dtype=np.int32), indices=np.array(indices, dtype=np.int32), data=np.array(data),
-        lower=np.array(side[:1]), upper=np.array(side[1:]),
-    )  # fmt: skip
-    return Program("sane", "min", (x,), (rows,))
-
-
 def test_crossed_bounds_settle_a_program_by_name() -> None:
-    result = settled(program(lower=(0.0, 2.0)))
+    result = settled(sane(lower=(0.0, 2.0)))
     assert result is not None
     assert result.status == "infeasible"
     assert "x[1]" in result.message
 
 
 def test_crossed_sides_settle_a_program_by_name() -> None:
-    result = settled(program(side=(3.0, 2.0)))
+    result = settled(sane(side=(3.0, 2.0)))
     assert result is not None
     assert (result.status, "need" in result.message) == ("infeasible", True)
 
 
 def test_every_other_program_is_left_to_the_solver() -> None:
-    assert settled(program()) is None
+    assert settled(sane()) is None
 
 
 @pytest.mark.parametrize("side", [(1e-9, math.inf), (-math.inf, -1e-9)])
 def test_an_empty_row_that_excludes_zero_settles_a_program_by_name_however_small_its_side(side) -> None:
-    result = settled(program(data=(0.0, 0.0), side=side))
+    result = settled(sane(data=(0.0, 0.0), side=side))
     assert result is not None
     assert (result.status, "need" in result.message) == ("infeasible", True)
-    assert settled(program(data=(0.0, 0.0), side=(-1e-9, 1e-9))) is None
+    assert settled(sane(data=(0.0, 0.0), side=(-1e-9, 1e-9))) is None
 
 
 class Says(ProgramBackend):
@@ -109,7 +96,7 @@ def test_the_optimum_of_a_continuous_program_is_its_bound() -> None:
 
 
 def test_a_point_at_which_a_limit_ended_a_continuous_program_claims_no_value() -> None:
-    result = Says(RawResult("feasible", "time", answer=np.array([1.0, 0.5]))).run(program(), Options(), Control())
+    result = Says(RawResult("feasible", "time", answer=np.array([1.0, 0.5]))).run(sane(), Options(), Control())
     assert result.status == "feasible" and result.answer is not None and result.objective is None
 
 

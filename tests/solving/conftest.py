@@ -1,16 +1,12 @@
 """A small routing problem, and engines of any behaviour."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
 
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import Travel
+from waybound import RoutingProblem, Sites, Travel, VehicleType
 from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult
 
 XY = np.array([(0, 0), (3, 0), (3, 4), (0, 4), (-3, 0)], dtype=float)

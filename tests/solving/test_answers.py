@@ -1,7 +1,5 @@
 """``solve(start=...)`` and ``check`` take whatever says clearly what it is, and refuse the rest in one line."""
 
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any
@@ -12,12 +10,9 @@ from programs import program
 from sata_cases import CASES
 
 import waybound as wb
+from waybound import InputError, Problem, Route, Routes, Selection, UsageError
 from waybound.formulations.answers import write_answer
 from waybound.formulations.arrays.problem import ArrayProblem
-from waybound.formulations.problem import Problem
-from waybound.formulations.routing.routes import Route, Routes
-from waybound.formulations.sata.selections import Selection
-from waybound.instances.errors import InputError, UsageError
 from waybound.solving.answers import answer_given
 
 XY = np.array([(0, 0), (3, 0), (3, 4), (0, 4), (-3, 0)], dtype=float)

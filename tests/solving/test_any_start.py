@@ -1,7 +1,5 @@
 """Whatever is given as a start, of any family: an answer that is judged, or one line that says what is wrong with it."""
 
-from __future__ import annotations
-
 import copy
 from collections.abc import Callable, Iterator
 from functools import cache
@@ -16,12 +14,7 @@ from orchard_cases import retrievals
 from outside_family import Jobs, LeastWaiting
 
 import waybound as wb
-from waybound.formulations.problem import Problem
-from waybound.formulations.risk.allocations import Allocation
-from waybound.formulations.risk.risk_allocation import RiskAllocation
-from waybound.formulations.routing.routes import Route, Routes
-from waybound.formulations.sata.selections import Selection
-from waybound.instances.errors import InputError, UsageError
+from waybound import Allocation, InputError, Problem, RiskAllocation, Route, Routes, Selection, UsageError
 from waybound.solving.answers import start_given
 
 LONGEST = 500

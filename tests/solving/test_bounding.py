@@ -1,7 +1,5 @@
 """Bounds of a problem: before a search, beside it and after it."""
 
-from __future__ import annotations
-
 import dataclasses
 import math
 import threading
@@ -14,16 +12,14 @@ import pytest
 from patience import HANG
 
 import waybound as wb
+from waybound import InputError, Problem, UnsupportedError
 from waybound.formulations.certificate import certify
 from waybound.formulations.evidence import CHECKERS, Evidence
-from waybound.formulations.problem import Problem
 from waybound.formulations.verified_bounds import proved_bound
-from waybound.instances.errors import InputError, UnsupportedError
 from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult
 from waybound.solvers.bounds import BOUNDS, BoundMethod
 from waybound.solvers.linear_programs import LinearPrograms
-from waybound.solving import bounding, solve
-from waybound.solving import search as searching
+from waybound.solving import bounding, search as searching, solve
 from waybound.solving.bounding import AT_ONCE, Beside, BoundWork, Goal, find_bounds, free_core
 
 GRAPH = wb.SensingGraph.from_edges([0, 1], [0, 1], [0, 1], np.array([3.0, 2.0]))

@@ -1,7 +1,5 @@
 """No engine is believed: liars of every kind are caught, and what was checked is returned."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -10,12 +8,7 @@ import numpy as np
 import pytest
 from patience import HANG
 
-from waybound.api import read, solve
-from waybound.formulations.auctions.bin_assignment import BinAssignment
-from waybound.formulations.routing.objective import Objective, TotalCost
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Routes
-from waybound.instances.errors import CheckFailedError
+from waybound import BinAssignment, CheckFailedError, Objective, Routes, RoutingProblem, TotalCost, read, solve
 from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult
 from waybound.solvers.bounds import BOUNDS, BoundMethod
 from waybound.solving import concluding

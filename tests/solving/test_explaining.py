@@ -1,7 +1,5 @@
 """Why a problem has no answer."""
 
-from __future__ import annotations
-
 import _thread
 import json
 import math
@@ -16,10 +14,9 @@ import risky_cases
 from coded import coded
 
 import waybound as wb
+from waybound import Exactness, Program, Rows, Variables
 from waybound.formulations.evidence import CHECKERS, Evidence
 from waybound.formulations.forms import FORMS
-from waybound.formulations.programs.exactness import Exactness
-from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.formulations.verified_bounds import verified_bound
 from waybound.solving import explaining
 from waybound.solving.explaining import deletion_filter, explain, in_words

@@ -1,18 +1,14 @@
 """What a search says and hands over, held against what was checked."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
 import pytest
 from programs import program
 
+from waybound import CheckFailedError, Evaluation, Exactness, InputError, NoAnswerError, SearchFailedError, Violation
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.certificate import Certificate, LevelBound
-from waybound.formulations.evaluation import Evaluation, Violation
-from waybound.formulations.programs.exactness import Exactness
-from waybound.instances.errors import CheckFailedError, InputError, NoAnswerError, SearchFailedError
 from waybound.solvers.backend import LevelClaim, RawResult
 from waybound.solving.judging import CLAIM_TOLERANCE, Claim, Judge, contradictions, false_answer
 

@@ -1,7 +1,5 @@
 """Levels are bounded one after the other, and reported as far as they are closed."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Planted liars of every sort, each caught by ``solve`` itself; and honest claims that count."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 
@@ -11,16 +9,10 @@ from coded import coded
 from programs import program
 
 import waybound as wb
+from waybound import CheckFailedError, Evidence, Exactness, Routes, RoutingProblem, Sites, Travel, UsageError, VehicleType
 from waybound.formulations.arrays.problem import ArrayProblem
-from waybound.formulations.evidence import Evidence
-from waybound.formulations.programs.exactness import Exactness
 from waybound.formulations.programs.program import INTEGERS
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Routes
 from waybound.heuristics.heuristic import HEURISTICS, Heuristic, Outcome
-from waybound.instances.errors import CheckFailedError, UsageError
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import Travel
 from waybound.solvers.backend import BACKENDS, Engine, RawResult
 from waybound.solvers.program_backend import ProgramBackend
 

@@ -1,7 +1,5 @@
 """Tables of solvers and heuristics: one row each, and for a problem what each lacks, which is what ``solve`` refuses it for."""
 
-from __future__ import annotations
-
 import pytest
 from selection_problems import cover_30
 

@@ -1,7 +1,5 @@
 """Which method answers: chosen, refused before it runs, or begun by a heuristic."""
 
-from __future__ import annotations
-
 import math
 import threading
 from collections.abc import Iterator
@@ -16,26 +14,11 @@ from programs import program
 from sata_cases import CASES
 
 import waybound as wb
-from waybound.api import solve
+from waybound import BottleneckSATA, LatestReturn, Routes, RoutingProblem, UnsupportedError, UsageError, WinnerTakesAllSATA, solve
 from waybound.formulations.forms import FORMS, nearest_form
 from waybound.formulations.programs.program import CONES, INTEGERS, LINEAR, QUADRATIC
-from waybound.formulations.routing.objective import (
-    TERMS,
-    Composable,
-    LatestReturn,
-    LongestRoute,
-    Makespan,
-    Objective,
-    Reward,
-    TotalCost,
-    Vehicles,
-)
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Routes
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
+from waybound.formulations.routing.objective import TERMS, Composable, LongestRoute, Makespan, Objective, Reward, TotalCost, Vehicles
 from waybound.heuristics.heuristic import HEURISTICS, Outcome
-from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.instances.routing.features import FEATURES, UNASKED
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel

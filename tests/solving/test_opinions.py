@@ -1,7 +1,5 @@
 """A claim without evidence is put to other engines: who agrees is told, and an answer of theirs that passes every check refutes it."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

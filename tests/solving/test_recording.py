@@ -1,7 +1,5 @@
 """Recording: only what is better counts, seconds never go back, and the last row is what was checked."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """What is asked of a search, and what is refused of it before anything runs."""
 
-from __future__ import annotations
-
 import inspect
 from dataclasses import fields
 from typing import Any
@@ -10,9 +8,8 @@ import pytest
 from coded import coded
 
 import waybound as wb
+from waybound import Compiled, UsageError
 from waybound.formulations.arrays.problem import ArrayProblem
-from waybound.formulations.programs.compiled import Compiled
-from waybound.instances.errors import UsageError
 from waybound.solving.request import Request, request_of, searchable
 
 

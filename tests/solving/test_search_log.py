@@ -1,7 +1,5 @@
 """The log of a search, and where it goes."""
 
-from __future__ import annotations
-
 import re
 import sys
 import types

@@ -1,7 +1,5 @@
 """``solve`` checks what it is given, goes on after a crash, and hands the linear programs met on the way to the solver that is named."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 
@@ -10,13 +8,8 @@ from coded import coded
 from programs import Counting
 from random_sensing import random_graph
 
-from waybound.api import solve
+from waybound import BottleneckSATA, Routes, RoutingProblem, SearchFailedError, UnsupportedError, UsageError, VehicleType, solve
 from waybound.cli.solving import exit_code
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Routes
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.instances.errors import SearchFailedError, UnsupportedError, UsageError
-from waybound.instances.routing.instance import VehicleType
 from waybound.solvers.backend import BACKENDS, Control, Options, RawResult
 from waybound.solvers.backends.scip import Scip
 from waybound.solvers.bounds import BOUNDS

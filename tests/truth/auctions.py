@@ -1,7 +1,5 @@
 """Brute force for tiny problems of robots with tasks, bins, jobs, errands, orchards and rooms."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from fractions import Fraction
@@ -9,13 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from waybound.formulations.auctions.balanced_partition import BalancedPartition
-from waybound.formulations.auctions.bin_assignment import BinAssignment
-from waybound.formulations.auctions.generalised_assignment import GeneralisedAssignment
-from waybound.formulations.auctions.joint_assignment import JointAssignment
-from waybound.formulations.auctions.orchard_day import OrchardDay
-from waybound.formulations.auctions.room_exploration import RoomExploration
-from waybound.formulations.auctions.task_allocation import TaskAllocation
+from waybound import BalancedPartition, BinAssignment, GeneralisedAssignment, JointAssignment, OrchardDay, RoomExploration, TaskAllocation
 
 from .base import PARTS, Truth, Values, ints, scale_of
 

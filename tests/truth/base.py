@@ -1,7 +1,5 @@
 """The result of brute force on a tiny problem, and numbers in whole units."""
 
-from __future__ import annotations
-
 import functools
 import math
 from dataclasses import dataclass, field

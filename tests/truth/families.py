@@ -5,8 +5,6 @@ nothing of a problem but its data. ``best`` is the optimum over the answers that
 that exceed none by more than 1e-9 of what is added up and compared there: sums of doubles cannot be told apart more finely for sure.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator
@@ -15,13 +13,7 @@ from typing import Any
 
 import numpy as np
 
-from waybound.formulations.problem import Problem
-from waybound.formulations.risk.risky_path import RiskyPath
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.formulations.sata.max_min_lp import MaxMinLP
-from waybound.formulations.sata.selections import Selection
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
+from waybound import BottleneckSATA, MaxMinLP, Problem, RiskyPath, RoutingProblem, Selection, SubmodularSelection
 from waybound.instances.sata.constraints import Cardinality, Knapsack, PartitionMatroid
 from waybound.instances.sata.set_functions import Coverage, DenseFacilityLocation, FacilityLocation
 

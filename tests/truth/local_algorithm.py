@@ -4,8 +4,6 @@ Written from the definition of the layered program alone: trees are sets of node
 levels or layers. Slow, and meant to be: it is what the compiled versions are measured against.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from fractions import Fraction

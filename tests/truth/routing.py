@@ -5,8 +5,6 @@ Besides what keeps every limit exactly it knows what exceeds none by more than 1
 come out a rounding above.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator, Sequence
@@ -17,10 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Route, Routes
-from waybound.instances.routing.instance import VehicleType
-from waybound.instances.routing.travel import Travel
+from waybound import Route, Routes, RoutingProblem, Travel, VehicleType
 
 from .base import PARTS, Truth, Values, ints, scale_of
 

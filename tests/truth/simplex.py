@@ -1,7 +1,5 @@
 """A linear program in exact arithmetic: fraction-free simplex with Bland's rule, for programs of a few rows and columns."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from fractions import Fraction

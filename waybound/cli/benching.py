@@ -163,8 +163,7 @@ class _Told:
 
     def show(self, done: int, against: str | None, json: bool) -> None:
         """Show the summary, and end with 5 where a check failed."""
-        from ..reports.campaigns.paired_tests import against as tests_against
-        from ..reports.campaigns.paired_tests import paired_table
+        from ..reports.campaigns.paired_tests import against as tests_against, paired_table
         from ..reports.campaigns.summary import summary_of, summary_table
 
         rows = 0 if self.frame is None else len(self.frame)

@@ -28,8 +28,7 @@ from ..geography import refuse_alone
 from ..instance import RoutingInstance, VehicleType
 from ..reach import refuse_unreachable
 from ..travel import EXPLICIT, GEOGRAPHIC, convention_named
-from ._frame_settings import KEYS as SETTINGS
-from ._frame_settings import arguments, flag, in_file, kept, named, of_set
+from ._frame_settings import KEYS as SETTINGS, arguments, flag, in_file, kept, named, of_set
 from ._limits import refuse_inexpressible, refuse_where
 from ._rows import refuse
 

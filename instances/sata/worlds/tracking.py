@@ -13,8 +13,7 @@ from numpy.typing import ArrayLike
 from ...errors import UsageError
 from ...generators import Draw, Flags, Floats, Integers
 from ...worlds import WORLDS, Setting, World, WorldKind
-from ._plane import direction, moved, placed, wandered
-from ._plane import distances as distances
+from ._plane import direction, distances as distances, moved, placed, wandered
 
 SCENARIOS: dict[str, dict[str, Any]] = {
     "matlab": {

@@ -12,8 +12,7 @@ from ....formulations.sata.bottleneck_sata import BottleneckSATA
 from ...ratios.families import Family
 from ...ratios.guarantees import guarantee_study
 from ...ratios.judged_runs import Case, Configuration
-from .families import selection as random
-from .families import selection_traps as traps
+from .families import selection as random, selection_traps as traps
 
 REPEATS = 30
 """Seeds for each instance, where a guarantee holds in expectation."""

@@ -13,8 +13,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ....formulations.evidence import Evidence
-from ....formulations.sata.balls import Floats, Indices, ball_graph, even_shares, grown, near_one, num_edges
-from ....formulations.sata.balls import coverage as covered_by
+from ....formulations.sata.balls import Floats, Indices, ball_graph, coverage as covered_by, even_shares, grown, near_one, num_edges
 from ....formulations.sata.max_min_lp import RobotsOf
 from ....formulations.stop import NEVER, Stop
 from ....instances.errors import InputError

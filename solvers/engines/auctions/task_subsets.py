@@ -7,8 +7,7 @@ from typing import cast
 
 import numpy as np
 
-from ....formulations.auctions.balanced_partition import EDGES, BalancedPartition
-from ....formulations.auctions.balanced_partition import OBJECTIVES as PART_OBJECTIVES
+from ....formulations.auctions.balanced_partition import EDGES, OBJECTIVES as PART_OBJECTIVES, BalancedPartition
 from ....formulations.auctions.task_allocation import OBJECTIVES, Paths, TaskAllocation
 from ....formulations.problem import Problem
 from ....formulations.stop import Stop

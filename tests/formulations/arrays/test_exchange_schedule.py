@@ -1,7 +1,5 @@
 """Schedules of exchanges, and what the checker says of those that cannot be flown."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded

@@ -1,7 +1,5 @@
 """A bare program is judged by its arrays alone, and refused where they hold no numbers."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any
@@ -13,16 +11,12 @@ from coded import coded
 from programs import program
 
 import waybound as wb
-from waybound.api import solve
+from waybound import Evidence, Exactness, InputError, Program, Rows, UsageError, Variables, solve
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.certificate import certify
-from waybound.formulations.evidence import Evidence
 from waybound.formulations.problem import PROBLEMS
 from waybound.formulations.programs.cones import Cones
-from waybound.formulations.programs.exactness import Exactness
-from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.formulations.verified_bounds import verified_bound
-from waybound.instances.errors import InputError, UsageError
 
 
 def knapsack(**changes: Any) -> Program:

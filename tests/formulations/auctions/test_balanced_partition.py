@@ -1,7 +1,3 @@
-"""Balanced partitions: costs of parts against plain sums and Kruskal's rule, the two objectives, and what differs between them."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from task_problems import drawn, parts

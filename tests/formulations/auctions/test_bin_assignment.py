@@ -1,7 +1,3 @@
-"""Robots to bins: the problem and its judge."""
-
-from __future__ import annotations
-
 import math
 import pickle
 from pathlib import Path
@@ -14,10 +10,9 @@ from coded import coded
 from draws import draws
 
 import waybound as wb
+from waybound import AssignmentInstance, InputError, UsageError
 from waybound.formulations.answers import read_answer
 from waybound.formulations.auctions.bin_assignment import BinAssignment
-from waybound.instances.auctions.assignment import AssignmentInstance
-from waybound.instances.errors import InputError, UsageError
 
 INF = math.inf
 

@@ -1,7 +1,3 @@
-"""Generalised assignments: judged, told and refused."""
-
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,3 @@
-"""Joint assignments: judged, told and solved."""
-
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

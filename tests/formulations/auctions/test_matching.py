@@ -1,7 +1,3 @@
-"""Matchings of the most pairs, and what proves them so."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from bin_assignments import enumerated, random_costs

@@ -1,7 +1,3 @@
-"""The judge of days in the orchard, and their optima."""
-
-from __future__ import annotations
-
 import itertools
 
 import numpy as np
@@ -11,12 +7,11 @@ from draws import draws
 from orchard_cases import FOUR, LANE, ONE_ROUTE, SCHEDULES, TWO_ROUTES, WHOLE_DAYS, lane, random_jobs, retrievals
 
 import waybound as wb
+from waybound import InputError, OrchardJobs, UsageError
 from waybound.formulations.auctions.orchard_day import OrchardDay, in_order
 from waybound.formulations.evidence import CHECKERS
 from waybound.formulations.problem import problem_from_instance
-from waybound.instances.auctions.orchard_jobs import OrchardJobs
 from waybound.instances.auctions.orchard_rules import OrchardRules, draw_routes
-from waybound.instances.errors import InputError, UsageError
 from waybound.instances.generators import Draw
 from waybound.reports.missions.auctions.orchard_days.days import play_day
 

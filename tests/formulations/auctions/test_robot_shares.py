@@ -1,15 +1,11 @@
 """What answers of both problems share: files, names, and the test that every task is there once."""
 
-from __future__ import annotations
-
 import pytest
 from coded import coded
 from task_problems import line, parts
 
+from waybound import InputError, RobotTasks, TaskAllocation, UsageError
 from waybound.formulations.auctions.robot_shares import robot_tasks, settings_of
-from waybound.formulations.auctions.task_allocation import TaskAllocation
-from waybound.instances.auctions.robot_tasks import RobotTasks
-from waybound.instances.errors import InputError, UsageError
 from waybound.instances.generating import generate
 
 NAMED = TaskAllocation(RobotTasks.of_positions([0, 9], [1, 2, 8], robot_names=("r", "s"), task_names=("a", "b", "c")))

@@ -1,7 +1,3 @@
-"""Tasks for robots: the three objectives against leg by leg sums, the file, the command's settings."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from task_problems import OBJECTIVES, all_paths, drawn, line

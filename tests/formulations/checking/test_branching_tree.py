@@ -1,7 +1,3 @@
-"""Trees of statements: what their leaves prove together, and nothing else."""
-
-from __future__ import annotations
-
 import itertools
 import json
 import math
@@ -14,14 +10,12 @@ from coded import coded
 from draws import draws
 from truth.families import truth
 
+from waybound import CheckFailedError, Evidence, InputError, Problem, WayboundError
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.certificate import certify, check_certificate
 from waybound.formulations.checking.branching_tree import DEEPEST
-from waybound.formulations.evidence import Evidence
-from waybound.formulations.problem import Problem
 from waybound.formulations.stop import Stop
 from waybound.formulations.verified_bounds import verified_bound
-from waybound.instances.errors import CheckFailedError, InputError, WayboundError
 from waybound.solvers.bounds.branching_tree import branching_tree_bound
 
 NO_DUALS = {"duals": {"at": [], "values": []}}

@@ -1,7 +1,3 @@
-"""Evidence is read as plain lists of finite numbers, or refused."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded

@@ -1,13 +1,8 @@
-"""Bounds are lifted to the next value an objective can take, and never past one."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
-from hypothesis import example, given
-from hypothesis import strategies as st
+from hypothesis import example, given, strategies as st
 
 from waybound.formulations.checking.granularity import Grain, grain, is_decimal, lift
 

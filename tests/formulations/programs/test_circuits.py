@@ -1,7 +1,3 @@
-"""What is a circuit, by how much a vector breaks one, and graphs that are none."""
-
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path

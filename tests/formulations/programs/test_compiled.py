@@ -1,7 +1,3 @@
-"""A compiled problem keeps the way back through relaxation, and its flag says how far the program may be believed."""
-
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -13,12 +9,11 @@ from programs import program
 from sata_cases import CASES
 
 import waybound as wb
+from waybound import Exactness, UsageError
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.programs.compiled import Compiled
 from waybound.formulations.programs.cones import Cones
-from waybound.formulations.programs.exactness import Exactness
 from waybound.formulations.programs.program import INTEGERS, LINEAR, Program
-from waybound.instances.errors import UsageError
 
 ROUTES = [[1, 2], [3, 4]]
 

@@ -1,7 +1,3 @@
-"""By how much a vector breaks a cone, and that bounds of cones are what their definition says."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""Values of dual vectors."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""Flags of forms and reductions compose, and decide what a program's bound and answer are worth."""
-
-from __future__ import annotations
-
 import itertools
 
 import pytest

@@ -1,13 +1,8 @@
-"""Names that files and their readers agree on."""
-
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from small_routing import plane
 
 from waybound.formulations.programs.names import LONGEST, own_names, readable_names

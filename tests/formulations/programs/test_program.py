@@ -1,7 +1,3 @@
-"""What a program asks of a solver is told as features, and to people in the usual words."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,13 +1,8 @@
-"""Blocks of rows from entries in any order."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import scipy.sparse as sp
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.formulations.programs.rows import rows
 

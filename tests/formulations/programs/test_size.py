@@ -1,7 +1,5 @@
 """What the memory at hand does not hold is refused before it is built, with its numbers, and costs nothing else."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Solution files of outside solvers, as vectors; files of another model are refused."""
 
-from __future__ import annotations
-
 import subprocess
 from collections.abc import Callable
 from functools import partial
@@ -12,11 +10,10 @@ import pytest
 from coded import coded
 from exported import everything, rows_of
 
+from waybound import InputError, Program, Rows, Variables
 from waybound.formulations.programs.export import write_program
 from waybound.formulations.programs.names import column_names
-from waybound.formulations.programs.program import Program, Rows, Variables
 from waybound.formulations.programs.solution_files import SolverFile, is_solver_json, solver_file, vector_of
-from waybound.instances.errors import InputError
 
 NAMES = (("a", "b"), ("x-y", "z"))
 

@@ -1,7 +1,3 @@
-"""Solved models, of whatever package, as vectors."""
-
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +6,8 @@ import pytest
 from coded import coded
 
 import waybound as wb
-from waybound.formulations.programs.compiled import Compiled
+from waybound import Compiled, InputError, UsageError
 from waybound.formulations.programs.solved_models import vector_from
-from waybound.instances.errors import InputError, UsageError
 
 
 @pytest.fixture(scope="module")

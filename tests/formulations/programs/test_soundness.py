@@ -1,24 +1,13 @@
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 import scipy.sparse as sp
+from programs import sane
 
-from waybound.formulations.programs.program import Program, Rows, Variables
+from waybound import InputError
 from waybound.formulations.programs.soundness import refuse_numbers
-from waybound.instances.errors import InputError
-
-
-def program(indices=(0, 1), data=(1.0, 1.0), lower=(0.0, 0.0), upper=(1.0, 1.0), side=(1.0, math.inf)) -> Program:
-    x = Variables("x", keys=(np.arange(2),), lower=np.array(lower), upper=np.array(upper), cost=np.ones(2))
-    rows = Rows(
-        "need", indptr=np.array([0, len(indices)], dtype=np.int32), indices=np.array(indices, dtype=np.int32), data=np.array(data),
-        lower=np.array(side[:1]), upper=np.array(side[1:]),
-    )  # fmt: skip
-    return Program("sane", "min", (x,), (rows,))
 
 
 @pytest.mark.parametrize(
@@ -32,15 +21,15 @@ def program(indices=(0, 1), data=(1.0, 1.0), lower=(0.0, 0.0), upper=(1.0, 1.0),
 )  # fmt: skip
 def test_numbers_that_mean_nothing_are_refused_by_name(parts, word: str) -> None:
     with pytest.raises(InputError, match=word):
-        refuse_numbers(program(**parts))
+        refuse_numbers(sane(**parts))
 
 
 def test_a_sound_program_is_let_pass() -> None:
-    refuse_numbers(program())
+    refuse_numbers(sane())
 
 
 def test_a_quadratic_part_of_which_solvers_would_read_different_halves_is_refused() -> None:
-    halves = replace(program(), quadratic=sp.csr_matrix(np.array([[0.0, 3.0], [0.0, 0.0]])))
+    halves = replace(sane(), quadratic=sp.csr_matrix(np.array([[0.0, 3.0], [0.0, 0.0]])))
     with pytest.raises(InputError, match=r"not symmetric: x\[0\] times x\[1\]"):
         refuse_numbers(halves)
-    refuse_numbers(replace(program(), quadratic=sp.csr_matrix(np.array([[0.0, 3.0], [3.0 + 1e-12, 0.0]]))))
+    refuse_numbers(replace(sane(), quadratic=sp.csr_matrix(np.array([[0.0, 3.0], [3.0 + 1e-12, 0.0]]))))

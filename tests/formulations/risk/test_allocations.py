@@ -1,7 +1,5 @@
 """Answers of risk allocation, and the words for why there is none."""
 
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import numpy as np

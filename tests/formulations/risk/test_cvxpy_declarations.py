@@ -1,15 +1,10 @@
-"""Risk allocation declared with CVXPY."""
-
-from __future__ import annotations
-
 import cvxpy as cp
 import numpy as np
 import pytest
 from coded import coded
 from risk_problems import run
 
-from waybound.formulations.risk.risk_allocation import RiskAllocation
-from waybound.instances.errors import InputError, UnsupportedError
+from waybound import InputError, RiskAllocation, UnsupportedError
 from waybound.solvers.engines.risk.convex_allocation import ConvexAllocation
 
 

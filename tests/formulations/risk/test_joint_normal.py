@@ -1,7 +1,3 @@
-"""Probabilities that any of many Gaussian constraints fails."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from one_factor import any_fails_by_quadrature, drawn

@@ -1,16 +1,11 @@
-"""Risk allocations judged from the data: cost, limits, risks and budgets."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from risk_problems import around_a_box, margins, problem, run
 from scipy.special import ndtri
 from scipy.stats import norm
 
-from waybound.formulations.risk.allocations import Allocation
+from waybound import Allocation, RiskAllocation
 from waybound.formulations.risk.judge import evaluate_allocation, safest_risks
-from waybound.formulations.risk.risk_allocation import RiskAllocation
 from waybound.solvers.engines.risk.convex_allocation import ConvexAllocation
 
 UNIFORM = 5.0 + ndtri(0.05)

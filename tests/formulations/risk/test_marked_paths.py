@@ -1,7 +1,3 @@
-"""Rewards that can be had without risk, and paths with any, against all paths of small graphs."""
-
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 
@@ -10,13 +6,11 @@ import pytest
 import risky_cases as cases
 
 import waybound as wb
+from waybound import InputError, RiskyGraph, RiskyPath
 from waybound.formulations.risk import marked_paths, risky_path
 from waybound.formulations.risk.marked_paths import CutShortError, free_reward
-from waybound.formulations.risk.risky_path import RiskyPath
 from waybound.formulations.stop import Stop
-from waybound.instances.errors import InputError
 from waybound.instances.risk.elements import LocaleRisk, MoveRisk
-from waybound.instances.risk.risky_graph import RiskyGraph
 from waybound.instances.risk.traverse_elements import CollectedRisk, FunctionRisk, TravelledRisk
 
 

@@ -1,7 +1,3 @@
-"""Moves as vertices: least hazards of walks, against enumeration."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""The normal distribution is the standard library's, and costs nothing before it is asked for."""
-
-from __future__ import annotations
-
 import subprocess
 import sys
 from statistics import NormalDist

@@ -1,7 +1,3 @@
-"""Probabilities that one set of paths holds the cheapest: reference values, closed forms, and what always holds."""
-
-from __future__ import annotations
-
 import math
 from statistics import NormalDist
 

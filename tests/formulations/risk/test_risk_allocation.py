@@ -1,7 +1,5 @@
 """Risk allocation: statements, answers as files, the joint risk against a simulation, and problems made of another one."""
 
-from __future__ import annotations
-
 import json
 from typing import Any
 
@@ -11,10 +9,9 @@ from coded import coded
 from risk_problems import around_a_box, problem, run
 
 import waybound as wb
+from waybound import Allocation, InputError, UsageError
 from waybound.formulations.problem import problem_from_instance
-from waybound.formulations.risk.allocations import Allocation
 from waybound.formulations.risk.risk_allocation import RiskAllocation
-from waybound.instances.errors import InputError, UsageError
 from waybound.solvers.engines.risk.convex_allocation import ConvexAllocation
 
 

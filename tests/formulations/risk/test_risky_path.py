@@ -1,7 +1,5 @@
 """Risky paths: the judge, what cannot be asked, reasons why there is no answer, and answers as files."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""Comparisons of paths that share edges: the joint normal distribution against sampling and closed forms."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""Paths of uncertain costs: value, judge, files."""
-
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,3 @@
-"""Routes in JSON, GeoJSON and networkx, and as tables."""
-
-from __future__ import annotations
-
 import json
 
 import numpy as np
@@ -10,11 +6,8 @@ import pytest
 from coded import coded
 
 import waybound as wb
+from waybound import Energy, InputError, Route, Routes, RoutingProblem, Sites, UsageError, VehicleType
 from waybound.formulations.routing.answers import answer_geojson, answer_graph, visits_of_geojson
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Route, Routes
-from waybound.instances.errors import InputError, UsageError
-from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
 LINE = np.abs(np.arange(4.0)[:, None] - np.arange(4.0)[None, :])

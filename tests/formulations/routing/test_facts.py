@@ -1,13 +1,9 @@
 """What is told of a problem: always the same of what all have, and the rest where there is any."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.routing.instance import Energy, Group, Shipment, Sites, VehicleType
-from waybound.instances.routing.travel import Travel
+from waybound import Energy, Group, RoutingProblem, Shipment, Sites, Travel, VehicleType
 
 XY = np.arange(10.0).reshape(5, 2)
 

@@ -1,7 +1,3 @@
-"""Arguments that a fleet is too small: each must be a proof."""
-
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace
@@ -9,14 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from truth.routing import best_values
 
+from waybound import RoutingProblem, Sites, Travel, VehicleType
 from waybound.formulations.routing.fleet_need import bin_packing_bound, fleet_conflicts
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import Travel
 
 
 def problem(demand, *, count, capacity=10.0, ready=0.0, due=np.inf, service=0.0, xy=None, min_vehicles=0):

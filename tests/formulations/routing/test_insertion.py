@@ -1,18 +1,11 @@
-"""What a route would be with one site more, at every place of it, is what the judge says of each such route."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
 from small_routing import WHOLE_FAMILY, varied
 
+from waybound import Energy, Route, RoutingProblem, Sites, Travel, VehicleType
 from waybound.formulations.routing.insertion import LIMITS, Insertions, is_plain, judged, orders
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Route
-from waybound.instances.routing.instance import Energy, Sites, VehicleType
-from waybound.instances.routing.travel import Travel
 
 
 def agree(problem, route, sites):

@@ -1,7 +1,5 @@
 """The judge of routes: schedules by hand, every violation by name and amount, and what must not change a verdict."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -9,13 +7,10 @@ import numpy as np
 import pandas as pd
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
+from waybound import LongestRoute, Makespan, Objective, Penalties, Reward, Route, Routes, RoutingProblem, TotalCost, Vehicles
 from waybound.formulations.routing.judge import CHECKS, schedule
-from waybound.formulations.routing.objective import LongestRoute, Makespan, Objective, Penalties, Reward, TotalCost, Vehicles
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Route, Routes
 from waybound.formulations.tolerance import same
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel

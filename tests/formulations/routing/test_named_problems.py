@@ -1,7 +1,3 @@
-"""The standard members of the family: what each asks, and what it needs."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -9,13 +5,10 @@ import pytest
 from coded import coded
 
 import waybound as wb
+from waybound import Energy, Group, InputError, RoutingInstance, RoutingProblem, Shipment, Sites, Travel, UsageError, VehicleType
 from waybound.formulations.problem import PROBLEMS, problem_from_instance
 from waybound.formulations.routing.objective import DEFAULT_OBJECTIVE, TERMS, Objective, Reward, TotalCost, default_objective
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.errors import InputError, UsageError
 from waybound.instances.routing.fleet import with_problems
-from waybound.instances.routing.instance import Energy, Group, RoutingInstance, Shipment, Sites, VehicleType
-from waybound.instances.routing.travel import Travel
 
 XY = np.array([(0, 0), (3, 0), (3, 4), (0, 4)], dtype=float)
 TRAVEL = Travel("euclidean", XY)

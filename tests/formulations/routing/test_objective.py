@@ -1,27 +1,13 @@
-"""Objectives: terms, sums, priorities, and their texts."""
-
-from __future__ import annotations
-
 import math
 
 import pytest
 from coded import coded
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 import waybound as wb
-from waybound.formulations.routing.objective import (
-    TERMS,
-    Composable,
-    Makespan,
-    Objective,
-    Reward,
-    TotalCost,
-    Vehicles,
-    Weighted,
-    objective_from,
-)
+from waybound import Makespan
+from waybound.formulations.routing.objective import TERMS, Composable, Objective, Reward, TotalCost, Vehicles, Weighted, objective_from
 from waybound.instances.errors import Code, UsageError
 
 

@@ -1,7 +1,3 @@
-"""How likely routes overrun their limits: by hand, by Monte Carlo, and far out in the tail."""
-
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from statistics import NormalDist
@@ -10,12 +6,9 @@ import numpy as np
 import pytest
 from coded import coded
 
+from waybound import Energy, InputError, Routes, RoutingInstance, RoutingProblem, Sites, UsageError, VehicleType
 from waybound.formulations.routing.overrun import quantile, route_overrun, tail, uncertain
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Routes
 from waybound.formulations.routing.schedule import schedule
-from waybound.instances.errors import InputError, UsageError
-from waybound.instances.routing.instance import Energy, RoutingInstance, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
 N = 5

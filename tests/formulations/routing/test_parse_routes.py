@@ -1,7 +1,3 @@
-"""Routes from lists, mappings and tables of visits."""
-
-from __future__ import annotations
-
 import datetime
 import math
 from pathlib import Path
@@ -11,8 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from coded import coded
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 import waybound as wb
 from waybound.formulations.routing.parse_routes import routes_given, stated_times

@@ -1,7 +1,3 @@
-"""Preparation drops and tightens only what no feasible route needs, and enough of it."""
-
-from __future__ import annotations
-
 import itertools
 import math
 
@@ -12,10 +8,8 @@ from hypothesis import HealthCheck, given, settings
 from oracles import ASYM_5, SQUARE_4, TW_4, routing, small_problems
 from truth.routing import routes
 
-from waybound.formulations.routing.objective import Reward, TotalCost, Vehicles
+from waybound import Energy, Reward, RoutingProblem, TotalCost, Vehicles
 from waybound.formulations.routing.preparation import leaves_cycles, prepare, waiting_is_possible
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.routing.instance import Energy
 
 
 @settings(max_examples=draws(150), deadline=None, suppress_health_check=[HealthCheck.too_slow])

@@ -1,7 +1,3 @@
-"""What a routing problem answers in its own way: names of vehicles, facts, reasons why it has no answer, solution files."""
-
-from __future__ import annotations
-
 import dataclasses
 import itertools
 import math

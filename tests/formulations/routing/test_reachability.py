@@ -1,7 +1,3 @@
-"""Sites named unreachable are on no feasible route, and no answer has fewer routes than the least number."""
-
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace
@@ -14,15 +10,10 @@ from oracles import ASYM_5, SQUARE_4, TWO_INDEX, agrees, optimum, routing, small
 from small_routing import at_risk, few, varied
 from truth.routing import RoutingTruth, routes
 
-from waybound.formulations.evidence import Evidence
+from waybound import Energy, Evidence, InputError, Objective, RoutingProblem, Shipment, Sites, Travel, Vehicles, VehicleType
 from waybound.formulations.routing.checking.no_answer import out_of_reach
-from waybound.formulations.routing.objective import Objective, Vehicles
-from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.routing.reachability import minimum_vehicles, servable_alone, unreachable
 from waybound.formulations.verified_bounds import verified_bound
-from waybound.instances.errors import InputError
-from waybound.instances.routing.instance import Energy, Shipment, Sites, VehicleType
-from waybound.instances.routing.travel import Travel
 from waybound.solvers.bounds.routing.infeasibility import infeasible_site_evidence
 
 DRAWN = settings(max_examples=draws(150), deadline=None, suppress_health_check=[HealthCheck.too_slow])

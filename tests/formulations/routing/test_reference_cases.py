@@ -1,7 +1,3 @@
-"""Reference cases with proven optima: least cost, makespan, windows, virtual nodes, refuelling, orienteering, closing moves."""
-
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -11,9 +7,7 @@ from oracles import ASYM_5, GAP_5, OCTO_8, SQUARE_4, agrees
 from truth.routing import RoutingTruth, best_values
 
 import waybound as wb
-from waybound.formulations.routing.objective import LatestReturn, Makespan, Objective, Reward, TotalCost
-from waybound.formulations.routing.routes import Route, Routes
-from waybound.instances.routing.instance import Energy, Sites, VehicleType
+from waybound import Energy, LatestReturn, Makespan, Objective, Reward, Route, Routes, Sites, TotalCost, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
 REFUEL = np.array([(0, 0), (8, 0), (2, 3), (5, 4), (9, 4), (11, 0), (6, -3)], dtype=float)

@@ -1,7 +1,5 @@
 """Plans in progress: what is done, where vehicles start, and what they have left."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -12,10 +10,7 @@ from small_routing import varied
 from truth.routing import RoutingTruth
 
 import waybound as wb
-from waybound.formulations.routing.objective import LatestReturn, Objective, Reward, TotalCost
-from waybound.formulations.routing.routes import Route, Routes
-from waybound.instances.errors import UsageError
-from waybound.instances.routing.instance import Energy, Group, Sites, VehicleType
+from waybound import Energy, Group, LatestReturn, Objective, Reward, Route, Routes, Sites, TotalCost, UsageError, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
 LINE = np.abs(np.arange(6.0)[:, None] - np.arange(6.0)[None, :])

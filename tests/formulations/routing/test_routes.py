@@ -1,7 +1,3 @@
-"""Routes, and the timetables stated with them."""
-
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,25 +1,17 @@
-"""Schedules by hand: what is on board, several windows, recharging, closing moves, travel of one's own."""
-
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from truth.routing import RoutingTruth
 
+from waybound import Energy, Objective, Route, Routes, RoutingProblem, Shipment, Sites, VehicleType
 from waybound.formulations.evaluation import Checklist
 from waybound.formulations.routing.forms._all_routes import Walk
 from waybound.formulations.routing.judge import check_route
-from waybound.formulations.routing.objective import Objective
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Route, Routes
 from waybound.formulations.routing.schedule import closing, opening, schedule
-from waybound.instances.routing.instance import Energy, Shipment, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.reports.benchmarks.routing_variants import with_features
 

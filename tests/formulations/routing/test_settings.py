@@ -1,7 +1,3 @@
-"""Settings of routing problems: each does what its name says, and what is wrong with one is said in a line."""
-
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -9,11 +5,8 @@ import numpy as np
 import pytest
 from coded import coded
 
-from waybound import generate
-from waybound.formulations.routing.problem import RoutingProblem
+from waybound import InputError, RoutingInstance, RoutingProblem, UsageError, generate
 from waybound.formulations.routing.settings import KNOWN, parts_of
-from waybound.instances.errors import InputError, UsageError
-from waybound.instances.routing.instance import RoutingInstance
 
 
 def instance(deviation: float = 0.3) -> RoutingInstance:

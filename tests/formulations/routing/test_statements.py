@@ -1,7 +1,3 @@
-"""Statements on moves and on the number of routes: no evidence on what they leave proves more than the best answer."""
-
-from __future__ import annotations
-
 import itertools
 import math
 import pickle
@@ -17,13 +13,9 @@ from draws import draws
 from routing_answers import drawn_limit, holds
 from small_routing import small
 
-from waybound.formulations.evidence import Evidence
+from waybound import Evidence, InputError, Route, Routes, RoutingProblem, Sites, VehicleType
 from waybound.formulations.routing.objective import PEAKS, Objective
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Route, Routes
 from waybound.formulations.verified_bounds import verified_bound
-from waybound.instances.errors import InputError
-from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
 FEATURES = (

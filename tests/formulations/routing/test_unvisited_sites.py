@@ -1,7 +1,5 @@
 """Why sites are left out: each reason against brute force over all places, and over all routes where it says that no vehicle can."""
 
-from __future__ import annotations
-
 import itertools
 import re
 from dataclasses import replace
@@ -12,12 +10,10 @@ from small_routing import WHOLE_FAMILY, varied
 from truth.routing import RoutingTruth
 
 import waybound as wb
+from waybound import Group, Route, Routes, Shipment, Sites, Travel, VehicleType
 from waybound.formulations.routing import unvisited_sites as module
 from waybound.formulations.routing.insertion import orders
-from waybound.formulations.routing.routes import Route, Routes
 from waybound.formulations.routing.unvisited_sites import UNEXPLAINED, left_out
-from waybound.instances.routing.instance import Group, Shipment, Sites, VehicleType
-from waybound.instances.routing.travel import Travel
 
 ONE = (VehicleType(1, 10, max_distance=12),)
 LINE = np.array([[0.0, 0], [3, 0], [4, 0], [9, 0], [5, 0]])

@@ -1,7 +1,3 @@
-"""Every feature of routing data: taken from frames, written and read as JSON, told by ``waybound info``, and its answers drawn."""
-
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

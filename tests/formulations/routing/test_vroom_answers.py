@@ -1,7 +1,3 @@
-"""Answers as VROOM's JSON."""
-
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

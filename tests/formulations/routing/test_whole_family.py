@@ -1,7 +1,3 @@
-"""The judge against brute force, and what the checkers prove against it, for every feature of the family."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -10,10 +6,9 @@ from oracles import routing
 from small_routing import WHOLE_FAMILY, few, varied
 from truth.routing import RoutingTruth
 
+from waybound import Makespan, Objective, Route, Routes, TotalCost
 from waybound.formulations.routing.checking.all_routes import check_all_routes
 from waybound.formulations.routing.forms._all_routes import Walk
-from waybound.formulations.routing.objective import Makespan, Objective, TotalCost
-from waybound.formulations.routing.routes import Route, Routes
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
 SEEDS = range(6)

@@ -1,7 +1,3 @@
-"""Bottleneck problems: values by hand and by enumeration, faults by name, answers as files and tables."""
-
-from __future__ import annotations
-
 import itertools
 import json
 from dataclasses import replace
@@ -9,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from coded import coded
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from sata_cases import CASES, dense_weights, random_graph, relabelled, selections, value
 
 import waybound as wb

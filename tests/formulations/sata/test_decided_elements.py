@@ -1,7 +1,3 @@
-"""Elements that are decided on: the judge and the digest know them, methods for whole problems refuse them."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded

@@ -1,11 +1,6 @@
-"""What a constraint allows, and what may still join a set."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from selection_problems import CONSTRAINTS, OWN_CONSTRAINTS, Apart, Budgets, random_problem
 from truth.families import every_set, excess_of
 

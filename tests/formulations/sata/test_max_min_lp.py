@@ -1,14 +1,9 @@
-"""Max-min and min-max programs: values by definition, faults by name, answers as files and tables."""
-
-from __future__ import annotations
-
 import json
 
 import numpy as np
 import pytest
 from coded import coded
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from random_sensing import optimum
 from sata_cases import matrices_of, random_graph
 from truth.local_algorithm import random_graph as graph_of_robots

@@ -1,12 +1,9 @@
 """Answers of selection and assignment problems: what judges them, and robots' actions as JSON."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 import waybound as wb
 from waybound.formulations.problem import problem_from_instance

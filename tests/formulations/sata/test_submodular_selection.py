@@ -1,7 +1,5 @@
 """Selection problems: values by hand and by enumeration, constraints, answers as files and tables."""
 
-from __future__ import annotations
-
 import itertools
 import json
 
@@ -9,8 +7,7 @@ import numpy as np
 import pytest
 from coded import coded
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 import waybound as wb
 from waybound.formulations.sata.selections import Selection

@@ -1,14 +1,9 @@
-"""Exchanges one by one and by the program of fewest takeoffs, against all schedules of tiny fleets."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 import waybound as wb
 from waybound.formulations.arrays.exchange_schedule import Aloft, ExchangeCase, Sortie, faults, uncovered

@@ -1,15 +1,12 @@
 """Bertsekas' auction: worked bids and prices, and what epsilon promises."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from bin_assignments import OPTIMA, enumerated, worked
 from draws import draws
 
 import waybound as wb
-from waybound.formulations.auctions.bin_assignment import BinAssignment
-from waybound.instances.errors import UsageError
+from waybound import BinAssignment, UsageError
 from waybound.reports.ratios.judged_runs import run_heuristic
 
 

@@ -1,7 +1,3 @@
-"""Bins first, requests afterwards."""
-
-from __future__ import annotations
-
 import numpy as np
 from draws import draws
 from joint_assignments import WORKED, enumerated, random_joint

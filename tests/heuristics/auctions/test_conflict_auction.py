@@ -1,7 +1,5 @@
 """Conflict auction: worked epochs, the facts that are proved of it, and its worst lines."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -10,11 +8,10 @@ from bin_assignments import OPTIMA, random_costs, worked
 from draws import draws
 
 import waybound as wb
-from waybound.formulations.auctions.bin_assignment import BinAssignment
+from waybound import BinAssignment, UsageError
 from waybound.formulations.stop import NEVER, Stop
 from waybound.heuristics.auctions.conflict_auction import completed, greedy_ratio, quadrangle
 from waybound.heuristics.heuristic import HEURISTICS, Context
-from waybound.instances.errors import UsageError
 from waybound.instances.generating import generate
 from waybound.reports.ratios.judged_runs import run_heuristic
 from waybound.reports.studies.auctions.bin_auctions import greedy_line, serial_line

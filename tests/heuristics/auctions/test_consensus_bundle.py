@@ -1,7 +1,3 @@
-"""Bundles by consensus on task allocation: answers on every graph, what is counted, and options."""
-
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

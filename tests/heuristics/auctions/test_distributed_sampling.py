@@ -1,7 +1,3 @@
-"""Distributed sampling as a heuristic: initial partitions, starts, and that it never leaves the largest part larger."""
-
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""Steps of teams in which robots pass on what others read, and the limits of contact."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded

@@ -1,7 +1,3 @@
-"""The fixed-order auction: reference cases, the family that refutes any constant ratio, and its orders."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from task_problems import line

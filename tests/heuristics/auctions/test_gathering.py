@@ -1,7 +1,5 @@
 """Orders of waypoints by urgency and shares of a robot's room: the worked examples, and against plain enumeration."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,14 +1,9 @@
-"""The most gain from which a robot can be heard again by itself."""
-
-from __future__ import annotations
-
 import numpy as np
 from draws import draws
 from explorations import enumerated, path, random_map
 
 import waybound as wb
-from waybound.formulations.auctions.room_exploration import RoomExploration
-from waybound.instances.auctions.exploration_map import ExplorationMap
+from waybound import ExplorationMap, RoomExploration
 
 
 def test_answers_keep_contact_and_gain_no_more_than_the_best() -> None:

@@ -1,17 +1,11 @@
-"""List schedules, and what they guarantee."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from draws import draws
 from orchard_cases import SCHEDULES, random_jobs, retrievals
 
 import waybound as wb
-from waybound.formulations.auctions.orchard_day import OrchardDay
+from waybound import OrchardDay, OrchardJobs, UsageError
 from waybound.instances.auctions.orchard_grid import OrchardGrid
-from waybound.instances.auctions.orchard_jobs import OrchardJobs
-from waybound.instances.errors import UsageError
 
 
 @pytest.mark.parametrize(("name", "nearest"), [("S1", 9), ("S3", 32)])

@@ -1,7 +1,3 @@
-"""Local ratios: half of the best profit at least, and no less on the chain that attains it."""
-
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,14 +1,11 @@
 """Online greedy: worked epochs, orders, and its worst line."""
 
-from __future__ import annotations
-
 import math
 
 import pytest
 from bin_assignments import worked
 
-from waybound.formulations.auctions.bin_assignment import BinAssignment
-from waybound.instances.errors import UsageError
+from waybound import BinAssignment, UsageError
 from waybound.reports.ratios.judged_runs import run_heuristic
 from waybound.reports.studies.auctions.bin_auctions import serial_line
 

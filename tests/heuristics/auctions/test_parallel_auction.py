@@ -1,7 +1,3 @@
-"""The parallel auction: its bad family, and that it states nothing."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from task_problems import OBJECTIVES, drawn

@@ -1,7 +1,3 @@
-"""Sequential single-item auctions: reference cases, their ratio, what is counted, and what is refused."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from draws import draws

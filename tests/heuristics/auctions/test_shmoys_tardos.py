@@ -1,7 +1,3 @@
-"""Rounding of linear relaxations: no dearer, and overloaded by one job at most; within the capacities after moves."""
-
-from __future__ import annotations
-
 from collections.abc import Callable
 
 import numpy as np

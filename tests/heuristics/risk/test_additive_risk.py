@@ -1,7 +1,3 @@
-"""Sums of the risks of places."""
-
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""Conditional value at risk over samples, validated."""
-
-from __future__ import annotations
-
 import pytest
 from risk_problems import context, problem
 

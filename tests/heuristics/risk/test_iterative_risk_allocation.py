@@ -1,18 +1,13 @@
 """Iterative risk allocation: monotone, allowed in every round, and stalling where all constraints are active."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded
 from risk_problems import context, margins, problem
 
-from waybound.api import solve
-from waybound.formulations.risk.allocations import Allocation
-from waybound.formulations.risk.risk_allocation import RiskAllocation
+from waybound import Allocation, RiskAllocation, UsageError, solve
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.heuristics.risk.iterative_risk_allocation import iterative
-from waybound.instances.errors import UsageError
 from waybound.reports.benchmarks.risk_allocation import random_problem, rebuilt, reference
 
 

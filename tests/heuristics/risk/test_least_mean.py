@@ -1,7 +1,3 @@
-"""Heuristic ``least-mean``."""
-
-from __future__ import annotations
-
 from uncertain_graphs import WORKED, graph_of, named
 
 import waybound as wb

@@ -1,14 +1,11 @@
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import risky_cases as cases
 
 import waybound as wb
-from waybound.formulations.risk.risky_path import RiskyPath
+from waybound import RiskyPath, UsageError
 from waybound.formulations.stop import NEVER, Stop, Stopped
 from waybound.heuristics.risk.look_back import exact_for, least_risky_paths, look_back, without_loops
-from waybound.instances.errors import UsageError
 from waybound.instances.risk.elements import LocaleRisk
 
 

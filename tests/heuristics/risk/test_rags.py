@@ -1,14 +1,11 @@
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded
 from uncertain_graphs import WORKED, graph_of, named
 
 import waybound as wb
-from waybound.formulations.risk.uncertain_path import UncertainPath
+from waybound import UncertainPath, UsageError
 from waybound.heuristics.risk.rags import RiskAware
-from waybound.instances.errors import UsageError
 from waybound.instances.generating import generate
 from waybound.solvers.engines.risk.non_dominated_paths import NonDominated, non_dominated_paths
 

@@ -1,7 +1,3 @@
-"""The scenario approach: enough samples, and what they promise."""
-
-from __future__ import annotations
-
 import math
 
 import pytest

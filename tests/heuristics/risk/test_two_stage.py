@@ -1,7 +1,3 @@
-"""Two stages: exact for the last reward, and within what it states for all."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import risky_cases as cases

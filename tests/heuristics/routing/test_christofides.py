@@ -1,12 +1,9 @@
-from __future__ import annotations
-
 import itertools
 
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from small_routing import context
 
 from waybound import RoutingProblem, Sites, Travel, VehicleType

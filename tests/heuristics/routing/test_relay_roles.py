@@ -1,7 +1,3 @@
-"""Roles of robots: who becomes what at a meeting, and what each does next."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

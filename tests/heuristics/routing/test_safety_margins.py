@@ -1,7 +1,3 @@
-"""Safety margins: what is feasible with them keeps the risk, and the answers are near the optimum of brute force."""
-
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any
@@ -8,8 +6,7 @@ import numpy as np
 import pytest
 from coded import coded
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from small_routing import context
 
 from waybound import Objective, Routes, RoutingProblem, Sites, TotalCost, Travel, UsageError, Vehicles, VehicleType

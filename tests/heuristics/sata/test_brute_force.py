@@ -1,14 +1,9 @@
-"""Brute force finds the optimum, and refuses what is too large for it."""
-
-from __future__ import annotations
-
 import itertools
 
 import numpy as np
 import pytest
 from coded import coded
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from selection_problems import CONSTRAINTS, KINDS, optimum, random_problem, run, value
 
 from waybound import BottleneckSATA, MaxMinLP, SensingGraph, SubmodularSelection, UsageError, WinnerTakesAllSATA, solve

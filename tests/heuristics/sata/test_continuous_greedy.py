@@ -1,13 +1,8 @@
-"""Continuous greedy: better than half under a partition matroid, without a random number."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from selection_problems import KINDS, context, cover_30, cover_tight, half_tight, only_evidence, optimum, random_problem, run, value
 
 from waybound import Cardinality, Coverage, DenseFacilityLocation, PartitionMatroid, SubmodularSelection, UsageError

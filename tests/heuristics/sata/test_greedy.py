@@ -1,15 +1,12 @@
 """Greedy on selections and on bottlenecks."""
 
-from __future__ import annotations
-
 import math
 import time
 
 import numpy as np
 import pytest
 from coded import coded
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from sata_cases import graph_of_rows
 from selection_problems import (
     KINDS,

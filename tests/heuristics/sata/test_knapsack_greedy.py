@@ -1,14 +1,9 @@
-"""Knapsack greedy: every depth of enumeration keeps what is proved for it."""
-
-from __future__ import annotations
-
 import itertools
 import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from selection_problems import KINDS, context, only_evidence, optimum, random_problem, run, value
 
 from waybound import Coverage, Knapsack, SubmodularSelection, UserFunction

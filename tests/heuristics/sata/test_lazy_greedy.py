@@ -1,12 +1,7 @@
-"""Lazy greedy: greedy's answer, fewer evaluations."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded
-from hypothesis import example, given
-from hypothesis import strategies as st
+from hypothesis import example, given, strategies as st
 from selection_problems import KINDS, cover_30, greedy_by_hand, random_problem, run, value, weight_of_cover_30
 
 from waybound import Cardinality, PartitionMatroid, SubmodularSelection, UsageError, UserFunction

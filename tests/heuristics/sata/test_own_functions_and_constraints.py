@@ -1,15 +1,10 @@
-"""Functions and constraints of which no module knows are taken by every method that can do without more than they offer."""
-
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar
 
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from numpy.typing import NDArray
 from selection_problems import CONSTRAINTS, KINDS, OWN_CONSTRAINTS, OWN_KINDS, Apart, Budgets, Roots, optimum, random_problem, run, value
 

@@ -1,13 +1,8 @@
-"""Random answers are feasible, maximal, and evenly spread."""
-
-from __future__ import annotations
-
 from collections import Counter
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from selection_problems import CONSTRAINTS, KINDS, cover_30, random_problem, run
 
 from waybound import BottleneckSATA, Coverage, Knapsack, PartitionMatroid, Selection, SensingGraph, SubmodularSelection, WinnerTakesAllSATA

@@ -1,7 +1,5 @@
 """Options out of range, and problems that a method cannot take, are refused by name."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""Whole actions from the largest shares; of the linear relaxation with its bound, and no promise."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

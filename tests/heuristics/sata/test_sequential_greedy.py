@@ -1,13 +1,8 @@
-"""Sequential greedy: any order, half of the optimum."""
-
-from __future__ import annotations
-
 import itertools
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from sata_cases import CASES, graph_of_rows
 from selection_problems import KINDS, half_tight, only_evidence, optimum, random_problem, run, value
 

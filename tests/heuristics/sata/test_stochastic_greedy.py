@@ -1,12 +1,7 @@
-"""Stochastic greedy: seeded, cheap, good in expectation."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from selection_problems import KINDS, cover_30, cover_tight, only_evidence, optimum, random_problem, run, value
 
 from waybound.formulations.verified_bounds import verified_bound

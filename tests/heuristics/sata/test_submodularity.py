@@ -1,15 +1,10 @@
-"""``check_submodular`` finds what breaks diminishing returns, and clears what does not."""
-
-from __future__ import annotations
-
 import itertools
 import math
 
 import numpy as np
 import pytest
 from coded import coded
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from selection_problems import CONSTRAINTS, KINDS, cover_30, feasible_sets, random_constraint, random_function, run
 
 import waybound as wb

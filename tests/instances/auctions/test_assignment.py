@@ -1,7 +1,3 @@
-"""Costs of robots and bins."""
-
-from __future__ import annotations
-
 import pickle
 from dataclasses import replace
 

@@ -1,7 +1,3 @@
-"""Costs out of pandas frames."""
-
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 
@@ -9,8 +5,7 @@ import numpy as np
 import pandas as pd
 import pytest
 
-from waybound.instances.auctions.assignment import AssignmentInstance
-from waybound.instances.errors import InputError
+from waybound import AssignmentInstance, InputError
 
 INF = np.inf
 PAIRS = pd.DataFrame({"robot": ["r1", "r1", "r2"], "bin": ["a", "b", "a"], "cost": [2.0, 3.0, 1.0]})

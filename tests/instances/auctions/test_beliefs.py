@@ -1,7 +1,5 @@
 """Beliefs about rooms by the source's tables, joint against marginal updates."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""Maps of rooms."""
-
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""Agents with capacities, and jobs."""
-
-from __future__ import annotations
-
 import math
 from typing import Any
 

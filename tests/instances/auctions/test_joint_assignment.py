@@ -1,7 +1,3 @@
-"""Robots, bins and requests."""
-
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,3 @@
-"""Auctions' data in JSON: what is written, and what is wrong in a file by its path."""
-
-from __future__ import annotations
-
 import json
 import math
 from typing import Any
@@ -11,12 +7,8 @@ import pytest
 from orchard_cases import random_jobs
 
 import waybound as wb
-from waybound.instances.auctions.assignment import AssignmentInstance
-from waybound.instances.auctions.exploration_map import ExplorationMap
-from waybound.instances.auctions.generalised_assignment import GeneralisedAssignmentInstance
+from waybound import AssignmentInstance, ExplorationMap, GeneralisedAssignmentInstance, InputError, RobotTasks
 from waybound.instances.auctions.joint_assignment import JointAssignmentInstance
-from waybound.instances.auctions.robot_tasks import RobotTasks
-from waybound.instances.errors import InputError
 from waybound.instances.generating import generate
 from waybound.instances.reading import read_instance
 from waybound.instances.writing import write_instance

@@ -1,7 +1,3 @@
-"""Distances and times in the lanes of an orchard."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded

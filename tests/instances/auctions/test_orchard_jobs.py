@@ -1,7 +1,3 @@
-"""Bins of an orchard as data."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded

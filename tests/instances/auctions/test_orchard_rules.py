@@ -1,7 +1,5 @@
 """Where groups begin."""
 
-from __future__ import annotations
-
 from itertools import pairwise
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""Robots and tasks as data: metrics, shapes, names, and what is refused."""
-
-from __future__ import annotations
-
 import networkx as nx
 import numpy as np
 import pandas as pd

@@ -1,7 +1,3 @@
-"""Tables in text: settings above them, titles, rows, and the line of whatever is wrong."""
-
-from __future__ import annotations
-
 import pytest
 from file_cases import check_fault, error_of
 

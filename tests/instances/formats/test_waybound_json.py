@@ -1,7 +1,3 @@
-"""waybound's JSON around the kinds of instances."""
-
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

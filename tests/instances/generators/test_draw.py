@@ -1,7 +1,3 @@
-"""Draws hang on nothing but ``Generator.random``, and have the distributions that they are named for."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""Settings as Python and the command line give them: a valid value, or one line that says which would be."""
-
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,3 @@
-"""Data of risk allocation: what is refused, each in one line."""
-
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""Risk allocation from arrays and frames."""
-
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

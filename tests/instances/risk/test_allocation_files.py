@@ -1,18 +1,12 @@
-"""Risk allocation in waybound's JSON."""
-
-from __future__ import annotations
-
 import json
 from pathlib import Path
 
 import pytest
 from risk_problems import STALLING, around_a_box, changed, problem
 
-from waybound.formulations.risk.risk_allocation import RiskAllocation
-from waybound.instances.errors import InputError
+from waybound import InputError, RiskAllocation, RiskAllocationInstance
 from waybound.instances.generating import generate
 from waybound.instances.reading import read_instance
-from waybound.instances.risk.allocation import RiskAllocationInstance
 from waybound.instances.risk.allocation_files import decode, encode
 from waybound.instances.writing import write_instance
 

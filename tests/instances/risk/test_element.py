@@ -1,7 +1,3 @@
-"""What every risk element shares: the contract of elements with a memory, and the tests of numbers and places."""
-
-from __future__ import annotations
-
 import math
 from types import SimpleNamespace
 

@@ -1,7 +1,5 @@
 """Graphs with risk as JSON: every element there and back, and errors that name the key."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import risky_cases as cases

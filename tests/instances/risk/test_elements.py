@@ -1,25 +1,12 @@
-"""Risk elements: what each makes of a path, and what it refuses."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
 import risky_cases as cases
+from risky_cases import LINE, risks
 
-from waybound.formulations.risk.risky_path import RiskyPath
-from waybound.instances.errors import InputError
+from waybound import InputError, RiskyPath
 from waybound.instances.risk.elements import AccessRisk, LengthRisk, LocaleRisk, MoveRisk, TurnRisk
-
-BENT = np.array([(0, 0), (1, 0), (2, 1), (2, 2), (2, 4)], dtype=float)
-LINE = [(0, 1), (1, 2), (2, 3), (3, 4)]
-
-
-def risks(element, positions=BENT, arcs=LINE):
-    states = len(positions)
-    problem = RiskyPath(cases.graph(arcs, [element], states=states, goals=(states - 1,), positions=positions))
-    return problem.risks(range(states))[element.label]
 
 
 @pytest.mark.parametrize(

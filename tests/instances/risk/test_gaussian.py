@@ -1,7 +1,3 @@
-"""Gaussian quantities, and the states of linear systems."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded

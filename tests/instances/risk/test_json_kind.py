@@ -1,7 +1,3 @@
-"""Graphs of uncertain edge costs in waybound's JSON."""
-
-from __future__ import annotations
-
 import json
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""Boxes that stand in the way, and what can be seen past them."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,3 @@
-"""Occupancy grids: neighbours, and what the place of a cell says."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""Graphs with risk: what they are made of, and what is refused."""
-
-from __future__ import annotations
-
 import networkx as nx
 import numpy as np
 import pytest

@@ -1,7 +1,3 @@
-"""Tethers against a string that is pulled tight, and what they refuse."""
-
-from __future__ import annotations
-
 import itertools
 import math
 

@@ -1,27 +1,14 @@
-"""Risk elements that depend on the whole path."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
 import risky_cases as cases
 from coded import coded
+from risky_cases import BENT, LINE, risks
 
-from waybound.formulations.risk.risky_path import RiskyPath
-from waybound.instances.errors import InputError
+from waybound import InputError, RiskyPath
 from waybound.instances.risk.tether import Tether
 from waybound.instances.risk.traverse_elements import CollectedRisk, FunctionRisk, TetherRisk, TravelledRisk
-
-BENT = np.array([(0, 0), (1, 0), (2, 1), (2, 2), (2, 4)], dtype=float)
-LINE = [(0, 1), (1, 2), (2, 3), (3, 4)]
-
-
-def risks(element, positions=BENT, arcs=LINE):
-    states = len(positions)
-    problem = RiskyPath(cases.graph(arcs, [element], states=states, goals=(states - 1,), positions=positions))
-    return problem.risks(range(states))[element.label]
 
 
 def test_mud_counts_from_the_state_after_it():

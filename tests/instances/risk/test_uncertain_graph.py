@@ -1,7 +1,3 @@
-"""Graphs of uncertain edge costs, and what they refuse."""
-
-from __future__ import annotations
-
 import networkx as nx
 import numpy as np
 import pandas as pd

@@ -1,7 +1,3 @@
-"""Places of pictures at several altitudes, and the cells in them."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,18 +1,12 @@
-"""What routing data hold is named, each feature by itself, and in the same words by instance and problem."""
-
-from __future__ import annotations
-
 import math
 from typing import Any
 
 import numpy as np
 import pytest
 
-from waybound.formulations.routing.problem import RoutingProblem
+from waybound import Energy, Group, RoutingInstance, RoutingProblem, Shipment, Sites, Travel, VehicleType
 from waybound.instances.routing.features import FEATURES, features, restrictions
 from waybound.instances.routing.fleet import problems_of
-from waybound.instances.routing.instance import Energy, Group, RoutingInstance, Shipment, Sites, VehicleType
-from waybound.instances.routing.travel import Travel
 
 XY = np.array([[0.0, 0], [0, 3], [4, 0], [4, 3]])
 UNCERTAIN = Travel("euclidean", XY, variances=np.ones((4, 4)))

@@ -1,16 +1,11 @@
-"""Fleets of equal vehicles, and which problems the data allow."""
-
-from __future__ import annotations
-
 import math
 from typing import Any
 
 import numpy as np
 import pytest
 
+from waybound import Energy, RoutingInstance, Sites, Travel, VehicleType
 from waybound.instances.routing.fleet import equal_fleet, problems_of
-from waybound.instances.routing.instance import Energy, RoutingInstance, Sites, VehicleType
-from waybound.instances.routing.travel import Travel
 
 
 def sites(**more: Any) -> Sites:

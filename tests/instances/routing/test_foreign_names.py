@@ -1,7 +1,3 @@
-"""Names of other toolkits: each of their fields is ours, or told to be none."""
-
-from __future__ import annotations
-
 import inspect
 from typing import Any
 

@@ -1,7 +1,3 @@
-"""Arguments of one number or text: whatever is given, the error is one line that names the argument."""
-
-from __future__ import annotations
-
 import inspect
 from dataclasses import fields
 from typing import Any

@@ -1,7 +1,3 @@
-"""Titles of frames: which are used, which are kept, and which are refused."""
-
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

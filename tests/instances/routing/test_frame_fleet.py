@@ -1,7 +1,3 @@
-"""Vehicle types from frames and mappings."""
-
-from __future__ import annotations
-
 import math
 from typing import Any
 
@@ -10,12 +6,10 @@ import pandas as pd
 import pytest
 from file_cases import check_refused, refused
 
+from waybound import InputError, Sites, VehicleType
 from waybound.instances.clock import Times
-from waybound.instances.errors import InputError
 from waybound.instances.routing.frame_fleet import fleet_of, see_times, shared_bans
 from waybound.instances.routing.json_vehicles import decode_vehicle
-from waybound.instances.routing.sites import Sites
-from waybound.instances.routing.vehicle_type import VehicleType
 
 DAY = pd.Timestamp("2026-05-04")
 SITES = Sites.of(["yard", "port", "a"], depot=[True, True, False], demand=[[0, 0], [0, 0], [1, 2]])

@@ -1,17 +1,12 @@
-"""Windows, shipments and groups as lists, mappings and frames."""
-
-from __future__ import annotations
-
 import math
 from typing import Any
 
 import pandas as pd
 import pytest
 
+from waybound import Group, InputError, Shipment
 from waybound.instances.clock import Times
-from waybound.instances.errors import InputError
 from waybound.instances.routing.frame_lists import groups_of, see_windows, shipments_of, windows_of
-from waybound.instances.routing.sites import Group, Shipment
 
 INDEX = {"o": 0, "a": 1, "b": 2, "7": 3}
 DAY = pd.Timestamp("2026-05-04")

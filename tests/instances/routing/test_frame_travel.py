@@ -1,7 +1,3 @@
-"""Distances from matrices, lists of moves, graphs and tables."""
-
-from __future__ import annotations
-
 from typing import Any
 
 import networkx as nx
@@ -10,8 +6,7 @@ import pandas as pd
 import pytest
 from coded import coded
 from file_cases import check_refused, refused
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 import waybound as wb
 from waybound.instances.clock import Times

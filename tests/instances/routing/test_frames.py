@@ -1,7 +1,3 @@
-"""Instances from pandas frames."""
-
-from __future__ import annotations
-
 import datetime
 import math
 import re
@@ -15,8 +11,7 @@ from coded import coded
 from file_cases import check_refused, refused
 
 import waybound as wb
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.errors import InputError
+from waybound import InputError, RoutingProblem
 from waybound.instances.routing.frames import instance_from_frame
 
 SITES = pd.DataFrame({"id": ["yard", "a", "b"], "x": [0, 3, 6], "y": [0, 4, 8], "demand": [0, 2, 3]})

@@ -1,12 +1,7 @@
-"""Gaussian processes with noise of different sizes, against the formulas over all measurements at once."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.instances.errors import InputError
 from waybound.instances.routing.gaussian_process import GaussianProcess, SquaredExponential

@@ -1,7 +1,3 @@
-"""Latitude and longitude."""
-
-from __future__ import annotations
-
 import math
 import warnings
 

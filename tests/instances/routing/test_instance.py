@@ -1,7 +1,3 @@
-"""The data model: validation, subsets, hashes."""
-
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,3 @@
-"""Routing instances in waybound's JSON."""
-
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable
@@ -12,16 +8,13 @@ import numpy as np
 import pandas as pd
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 import waybound as wb
-from waybound.instances.errors import InputError
+from waybound import Energy, InputError, RoutingInstance, Sites, Travel, VehicleType
 from waybound.instances.formats.waybound_json import read, write
 from waybound.instances.routing.frames import instance_from_frame
-from waybound.instances.routing.instance import Energy, RoutingInstance, Sites, VehicleType
 from waybound.instances.routing.json_kind import decode, encode
-from waybound.instances.routing.travel import Travel
 
 SMALL = {
     "waybound": 1,

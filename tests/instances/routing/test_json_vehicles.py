@@ -1,7 +1,3 @@
-"""All that a vehicle and its travel may hold is written and read back the same."""
-
-from __future__ import annotations
-
 import json
 import math
 from pathlib import Path
@@ -11,14 +7,10 @@ import numpy as np
 import pytest
 from small_routing import WHOLE_FAMILY, varied
 
-from waybound.formulations.routing.problem import RoutingProblem
+from waybound import Energy, InputError, RoutingInstance, RoutingProblem, Sites, Travel, VehicleType
 from waybound.instances.document import dump_json
-from waybound.instances.errors import InputError
 from waybound.instances.formats.waybound_json import read, write
-from waybound.instances.routing.instance import RoutingInstance, Sites
 from waybound.instances.routing.json_vehicles import decode_vehicle, encode_vehicle
-from waybound.instances.routing.travel import Travel
-from waybound.instances.routing.vehicle_type import Energy, VehicleType
 
 SITES = Sites.of(["yard", "far", "a"], depot=[True, True, False], demand=np.zeros((3, 2)), coordinates=np.zeros((3, 2)))
 

@@ -1,15 +1,10 @@
-"""Occupancy cells: reference values, learnt rates, worth of readings, what beams see, and ways through cells that close."""
-
-from __future__ import annotations
-
 import heapq
 import math
 
 import numpy as np
 import pytest
 from coded import coded
-from hypothesis import example, given
-from hypothesis import strategies as st
+from hypothesis import example, given, strategies as st
 
 from waybound.instances.errors import InputError
 from waybound.instances.routing import occupancy as o

@@ -1,7 +1,3 @@
-"""Maps that learn how their cells change."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""Shortest ways, least levels, and customers that no vehicle can reach."""
-
-from __future__ import annotations
-
 import itertools
 import math
 from typing import Any
@@ -10,12 +6,10 @@ import numpy as np
 import pytest
 from draws import draws
 from file_cases import check_refused
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
-from waybound.instances.errors import InputError
+from waybound import InputError, RoutingInstance, Sites, VehicleType
 from waybound.instances.routing import reach
-from waybound.instances.routing.instance import RoutingInstance, Sites, VehicleType
 from waybound.instances.routing.reach import least_levels, out_and_back, refuse_unreachable, shortest_ways
 from waybound.instances.routing.travel import CONVENTIONS, Travel
 

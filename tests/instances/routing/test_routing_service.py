@@ -1,7 +1,3 @@
-"""Tables of OSRM and Valhalla."""
-
-from __future__ import annotations
-
 import json
 import math
 from pathlib import Path

@@ -1,7 +1,3 @@
-"""Sites and what holds between them: one clear error for each thing that is wrong."""
-
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

@@ -1,12 +1,7 @@
-"""Solution files of routes: .sol and .tour."""
-
-from __future__ import annotations
-
 import pytest
 from file_cases import check_fault, check_refused, error_of
 
-from waybound.instances.errors import UsageError
-from waybound.instances.routing.instance import Sites
+from waybound import Sites, UsageError
 from waybound.instances.routing.solution_files import SolutionFile, routes_from_text, sol_text, tour_text
 
 

@@ -1,10 +1,5 @@
-"""Fires that spread as ellipses, and their fronts."""
-
-from __future__ import annotations
-
 import numpy as np
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.instances.routing.spreading_fire import spreading_fire
 

@@ -1,7 +1,3 @@
-"""Truth about grids that change."""
-
-from __future__ import annotations
-
 import numpy as np
 
 from waybound.instances.routing.terrain import Terrain, middle_of

@@ -1,15 +1,10 @@
-"""Metrics of TSPLIB, conventions of rounding, and what a travel refuses."""
-
-from __future__ import annotations
-
 import math
 from decimal import ROUND_DOWN, Decimal, getcontext
 
 import numpy as np
 import pytest
 from coded import coded
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.routing.travel import CONVENTIONS, Travel, convention_named

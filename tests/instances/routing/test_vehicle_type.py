@@ -1,7 +1,3 @@
-"""Vehicles and their stores, and whether they fit the sites."""
-
-from __future__ import annotations
-
 import math
 from typing import Any
 
@@ -9,8 +5,7 @@ import numpy as np
 import pytest
 from coded import coded
 
-from waybound.instances.errors import InputError
-from waybound.instances.routing.instance import RoutingInstance, Sites
+from waybound import InputError, RoutingInstance, Sites
 from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.instances.routing.vehicle_type import Energy, VehicleType
 

@@ -1,14 +1,9 @@
-"""Constraints: their data, and the views that algorithms read."""
-
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
 import pytest
 from file_cases import refused
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from selection_problems import CONSTRAINTS, OWN_CONSTRAINTS, random_problem
 from truth.families import every_set, excess_of
 

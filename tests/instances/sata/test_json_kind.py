@@ -1,7 +1,3 @@
-"""Sensing graphs in waybound's JSON."""
-
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -9,8 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.instances.errors import InputError
 from waybound.instances.formats.waybound_json import read, write

@@ -1,7 +1,3 @@
-"""Packing and covering data."""
-
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -11,8 +7,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 from file_cases import refused
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.instances.errors import InputError
 from waybound.instances.formats.waybound_json import read, write

@@ -1,14 +1,11 @@
 """The filter of a probability hypothesis density: mass in a disc, prediction, update, pruning and merging, births."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
 from coded import coded
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from scipy import stats
 from scipy.integrate import quad
 from scipy.stats import multivariate_normal

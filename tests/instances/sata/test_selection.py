@@ -1,7 +1,5 @@
 """Selection data."""
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable
 from pathlib import Path
@@ -11,15 +9,12 @@ import numpy as np
 import pytest
 from coded import coded
 from file_cases import refused
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from selection_problems import Apart, Weights
 
-from waybound.instances.errors import InputError
+from waybound import Cardinality, Coverage, DenseFacilityLocation, FacilityLocation, InputError, Knapsack, PartitionMatroid
 from waybound.instances.formats.waybound_json import read, write
-from waybound.instances.sata.constraints import Cardinality, Knapsack, PartitionMatroid
 from waybound.instances.sata.selection import CONSTRAINTS, SET_FUNCTIONS, JsonPart, SelectionInstance
-from waybound.instances.sata.set_functions import Coverage, DenseFacilityLocation, FacilityLocation
 
 
 def test_the_digest_does_not_depend_on_the_types_of_the_arrays() -> None:

@@ -1,15 +1,10 @@
-"""Sensing graphs from arrays."""
-
-from __future__ import annotations
-
 import pickle
 import warnings
 from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.sata.sensing_graph import SensingGraph, graph_of_edges

@@ -1,14 +1,9 @@
-"""Sensing graphs as tables of names."""
-
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
 import pytest
 from coded import coded
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.instances.errors import Code, InputError, UsageError
 from waybound.instances.sata.sensing_graph import SensingGraph, graph_of_edges

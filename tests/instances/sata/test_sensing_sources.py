@@ -1,7 +1,3 @@
-"""Sensing graphs from pandas, networkx and positions."""
-
-from __future__ import annotations
-
 import subprocess
 import sys
 import warnings
@@ -12,8 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from coded import coded
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.sata.sensing_graph import SensingGraph, graph_of_edges

@@ -1,25 +1,13 @@
-"""Set functions: their data, their values, and the views that algorithms read."""
-
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
 import pytest
 from file_cases import refused
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from selection_problems import KINDS, OWN_KINDS, random_function
 
-from waybound.instances.sata.set_functions import (
-    AT_ENTRY,
-    AT_ITEM,
-    IN_MATRIX,
-    Coverage,
-    DenseFacilityLocation,
-    FacilityLocation,
-    ItemFunction,
-)
+from waybound import Coverage
+from waybound.instances.sata.set_functions import AT_ENTRY, AT_ITEM, IN_MATRIX, DenseFacilityLocation, FacilityLocation, ItemFunction
 
 
 def test_repeated_items_of_a_set_count_once() -> None:

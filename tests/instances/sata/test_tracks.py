@@ -1,14 +1,9 @@
-"""Tracks, the motion that they learn, and the distance of sets."""
-
-from __future__ import annotations
-
 import itertools
 import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.instances.sata.phd_filter import Mixture
 from waybound.instances.sata.tracks import TrackRules, Tracks, forecast, ospa

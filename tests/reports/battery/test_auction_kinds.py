@@ -1,7 +1,3 @@
-"""What robots, bins and rooms are drawn: of either sense, with and without answers."""
-
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

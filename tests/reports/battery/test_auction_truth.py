@@ -1,7 +1,5 @@
 """Truth of robots, bins and rooms by enumeration, on examples worked by hand."""
 
-from __future__ import annotations
-
 from fractions import Fraction
 
 import pytest

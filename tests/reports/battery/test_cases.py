@@ -1,7 +1,3 @@
-"""What is drawn: the same whatever is asked of it."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

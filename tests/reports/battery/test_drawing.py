@@ -1,7 +1,3 @@
-"""Numbers that problems are made of: whole, or positive, and repeated from a seed."""
-
-from __future__ import annotations
-
 import numpy as np
 
 from waybound.reports.battery.drawing import HUGE, TINY, weights, whole

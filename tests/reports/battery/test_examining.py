@@ -1,7 +1,3 @@
-"""What is said of what solvers say: verdicts, crashes, interrupts, tables and files."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 from fractions import Fraction
 

@@ -1,7 +1,3 @@
-"""Every kind makes problems that repeat, have a form, and are small."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,3 @@
-"""The exact simplex, against one in floats."""
-
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""What examinations found, shown and written."""
-
-from __future__ import annotations
-
 import os
 
 import pytest

@@ -1,7 +1,3 @@
-"""Truth by enumeration, against the other exact account that the tests have, and against programs whose answer is plain."""
-
-from __future__ import annotations
-
 from fractions import Fraction
 
 import numpy as np

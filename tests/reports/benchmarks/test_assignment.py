@@ -1,7 +1,3 @@
-"""The measurement of assignments, in small."""
-
-from __future__ import annotations
-
 import pytest
 
 from waybound.reports.benchmarks import assignment

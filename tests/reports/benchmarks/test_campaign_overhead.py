@@ -1,7 +1,5 @@
 """The benchmark of campaigns measures what it says; its times are not tested."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,3 @@
-"""Greedy is proved to reach far more than it promises."""
-
-from __future__ import annotations
-
 import pytest
 
 from waybound.api import solve

@@ -1,7 +1,3 @@
-"""The list of what kernels take to compile."""
-
-from __future__ import annotations
-
 import subprocess
 import sys
 

@@ -1,7 +1,3 @@
-"""The compile benchmark of the max-min LP compares models that are the same."""
-
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,3 @@
-"""Every solver and form says what enumeration says, and the command that tells so."""
-
-from __future__ import annotations
-
 from collections import Counter
 from fractions import Fraction
 from pathlib import Path

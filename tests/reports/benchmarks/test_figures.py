@@ -1,7 +1,3 @@
-"""Tables of campaigns, and the campaigns that stand for benchmarks."""
-
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

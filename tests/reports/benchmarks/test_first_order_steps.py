@@ -1,7 +1,5 @@
 """The comparison of first-order methods: all of them come to the optimum, and its projections are projections."""
 
-from __future__ import annotations
-
 import sys
 
 import numpy as np

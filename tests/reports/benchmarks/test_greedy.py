@@ -1,7 +1,3 @@
-"""The greedy benchmark measures the same answers."""
-
-from __future__ import annotations
-
 import importlib.util
 
 import pytest

@@ -1,7 +1,5 @@
 """What benchmarks share: options of a command and its exit codes, fresh processes, clocks and tables."""
 
-from __future__ import annotations
-
 import importlib
 from pathlib import Path
 from typing import Annotated

@@ -1,7 +1,3 @@
-"""The measurement of HiGHS' versions: programs as the bare library gets them, and what counts as wrong."""
-
-from __future__ import annotations
-
 import importlib.util
 from fractions import Fraction
 from pathlib import Path

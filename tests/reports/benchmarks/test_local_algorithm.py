@@ -1,7 +1,5 @@
 """The benchmark of the local algorithm measures what it says; its times are not tested."""
 
-from __future__ import annotations
-
 import math
 import sys
 

@@ -1,7 +1,3 @@
-"""Problems that campaigns make of files."""
-
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

@@ -1,17 +1,10 @@
-from __future__ import annotations
-
 import math
 from typing import Any
 
 import numpy as np
 import pytest
 
-from waybound import read
-from waybound.formulations.routing.objective import LongestRoute, Makespan, Reward, TotalCost, Vehicles
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.sites import Shipment
-from waybound.instances.routing.travel import Travel
+from waybound import LongestRoute, Makespan, Reward, RoutingProblem, Shipment, Sites, TotalCost, Travel, Vehicles, VehicleType, read
 from waybound.reports.benchmarks.overhead import BUNDLED, bare, cases, compare, integers, shown
 from waybound.solvers.backend import BACKENDS, Control, Options
 

@@ -1,7 +1,3 @@
-"""The way of the problem, on a package of which it can be counted by hand."""
-
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

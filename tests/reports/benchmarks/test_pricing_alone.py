@@ -1,7 +1,3 @@
-"""Both searches of the benchmark are given the same problem; the other one is played by a search through all routes."""
-
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 

@@ -1,7 +1,3 @@
-"""The measurement of proofs: what it draws, and what it counts as proved."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

@@ -1,7 +1,3 @@
-"""The benchmark of protective options compares equal optima, and notices when they are not."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

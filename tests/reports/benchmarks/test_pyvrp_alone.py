@@ -1,7 +1,3 @@
-"""PyVRP alone as a solver of campaigns."""
-
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

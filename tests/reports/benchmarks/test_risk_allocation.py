@@ -1,7 +1,3 @@
-"""The benchmark of risk allocation judges what it prints."""
-
-from __future__ import annotations
-
 import pytest
 
 import waybound as wb

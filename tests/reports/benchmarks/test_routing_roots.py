@@ -1,7 +1,3 @@
-"""The table of root bounds: no relaxation is above the optimum, and set partitioning is the strongest."""
-
-from __future__ import annotations
-
 import pytest
 
 from waybound.reports.benchmarks import routing_roots

@@ -1,7 +1,3 @@
-"""Random problems of the whole family: each has what it was drawn for, and is the same whenever it is drawn."""
-
-from __future__ import annotations
-
 from waybound.reports.benchmarks.routing_variants import CHANGES, CUSTOMERS, TURNS, drawn, features_of
 from waybound.reports.tables.routing.routing_features import ROWS
 

@@ -1,7 +1,3 @@
-"""The saddle benchmark: its graphs are as they say, and what it measures is proved."""
-
-from __future__ import annotations
-
 import math
 import sys
 

@@ -1,7 +1,3 @@
-"""Two models are the same or are told apart; clocks and fresh processes."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 

@@ -1,33 +1,18 @@
 """A row for each file and way, and exit code 1 where bounds differ."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest
+from file_cases import tsplib
 from small_routing import plane
 
 from waybound.reports.benchmarks import stabilised_prices as benchmark
 from waybound.reports.benchmarks.stabilised_prices import main
 
-SMALL = """NAME : a
-TYPE : CVRP
-DIMENSION : 3
-EDGE_WEIGHT_TYPE : EUC_2D
-CAPACITY : 5
-NODE_COORD_SECTION
-1 0 0
-2 3 4
-3 6 8
-DEMAND_SECTION
-1 0
-2 2
-3 3
-DEPOT_SECTION
-1
--1
-EOF
-"""
+SMALL = tsplib(
+    "NAME : a", "TYPE : CVRP", "DIMENSION : 3", "EDGE_WEIGHT_TYPE : EUC_2D", "CAPACITY : 5", NODE_COORD_SECTION="1 0 0|2 3 4|3 6 8",
+    DEMAND_SECTION="1 0|2 2|3 3", DEPOT_SECTION="1|-1",
+) + "EOF\n"  # fmt: skip
 
 
 @pytest.fixture

@@ -1,7 +1,5 @@
 """The start-up benchmark measures what it says; its times are not tested."""
 
-from __future__ import annotations
-
 import pytest
 
 from waybound.reports.benchmarks import startup

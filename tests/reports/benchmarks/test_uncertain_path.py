@@ -1,7 +1,3 @@
-"""The benchmark of uncertain paths, on few of everything."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

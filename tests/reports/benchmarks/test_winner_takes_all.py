@@ -1,7 +1,3 @@
-"""The benchmark of winner takes all: what it measures is proved, and HiGHS agrees."""
-
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,5 @@
 """One small campaign, done by real processes, that all tests of this folder look at."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from pathlib import Path
 

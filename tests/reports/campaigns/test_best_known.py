@@ -1,7 +1,5 @@
 """Tables of best known values: found beside instances, and read with care."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,5 @@
 """Campaign files: what they plan, and what they must not say."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from typing import Any

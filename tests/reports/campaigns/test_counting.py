@@ -1,7 +1,3 @@
-"""Which runs count, and what they are compared with."""
-
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Runs on a Dask cluster. Where Dask is not installed, what is told of that."""
 
-from __future__ import annotations
-
 import json
 import logging
 import signal

@@ -1,7 +1,5 @@
 """The process that forks runs: what a run had to load is there for the next one. What becomes of runs is in ``test_run_processes``."""
 
-from __future__ import annotations
-
 import math
 from multiprocessing import Pipe
 from pathlib import Path

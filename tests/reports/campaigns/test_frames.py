@@ -1,7 +1,3 @@
-"""Results as frames and files."""
-
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """The instances that a campaign names: bundled ones, files and patterns, and what is told of those that are not there."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

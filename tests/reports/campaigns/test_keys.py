@@ -1,7 +1,5 @@
 """Tables of a campaign file: what is none of their keys, or of another kind, is told with its place."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,7 +1,3 @@
-"""Measures of the field, against values by hand."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""One run, done in this process: whatever becomes of it is told as a row."""
-
-from __future__ import annotations
-
 import json
 import platform
 from dataclasses import replace

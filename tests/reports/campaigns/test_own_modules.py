@@ -1,7 +1,3 @@
-"""Campaigns with solvers of their own."""
-
-from __future__ import annotations
-
 import sys
 from pathlib import Path
 from typing import Any
@@ -10,9 +6,8 @@ import pytest
 from campaign_cases import campaign_file
 from coded import coded
 
-from waybound.instances.errors import InputError
+from waybound import InputError, results
 from waybound.reports.campaigns.campaign import read_campaign
-from waybound.reports.campaigns.frames import results
 from waybound.reports.campaigns.own_modules import import_modules
 from waybound.reports.campaigns.run_processes import RunProcesses
 from waybound.reports.campaigns.running import run_campaign

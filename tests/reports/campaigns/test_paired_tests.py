@@ -1,7 +1,3 @@
-"""Paired tests: the pairs are instances, and noise is told from change."""
-
-from __future__ import annotations
-
 import math
 from pathlib import Path
 
@@ -11,9 +7,8 @@ import pytest
 from campaign_cases import outcome, planned
 from coded import coded
 
-from waybound.instances.errors import UsageError
+from waybound import UsageError, results
 from waybound.reports.campaigns.counting import counted
-from waybound.reports.campaigns.frames import results
 from waybound.reports.campaigns.paired_tests import against, paired, paired_table, relative
 from waybound.reports.campaigns.results_file import ResultsFile
 

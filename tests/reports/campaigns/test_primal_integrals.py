@@ -1,7 +1,3 @@
-"""Primal integrals of runs, from their histories."""
-
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,3 @@
-"""Performance profiles of campaigns."""
-
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 
@@ -10,9 +6,8 @@ import pytest
 from campaign_cases import outcome, planned
 from coded import coded
 
-from waybound.instances.errors import UsageError
+from waybound import UsageError, results
 from waybound.reports.campaigns.counting import counted
-from waybound.reports.campaigns.frames import results
 from waybound.reports.campaigns.profiles import profile, write_profile
 from waybound.reports.campaigns.results_file import ResultsFile
 

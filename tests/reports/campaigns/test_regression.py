@@ -1,7 +1,3 @@
-"""Before and after: what is worse beyond noise is told, and noise is not."""
-
-from __future__ import annotations
-
 import itertools
 from collections.abc import Callable
 from pathlib import Path
@@ -12,8 +8,7 @@ import pandas as pd
 import pytest
 from campaign_cases import outcome, planned
 
-from waybound.instances.errors import UsageError
-from waybound.reports.campaigns.frames import results
+from waybound import UsageError, results
 from waybound.reports.campaigns.one_run import Outcome
 from waybound.reports.campaigns.regression import regression, regression_table
 from waybound.reports.campaigns.results_file import ResultsFile

@@ -1,7 +1,5 @@
 """The results file: rows come in whole or not at all, and what is wrong with it is told in one line."""
 
-from __future__ import annotations
-
 import sqlite3
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Runs in processes of their own: what happens to one costs no other."""
 
-from __future__ import annotations
-
 import os
 import pickle
 import signal

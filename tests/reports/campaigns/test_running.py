@@ -1,7 +1,3 @@
-"""A campaign does what is missing, goes on after whatever ended it, and keeps what was done."""
-
-from __future__ import annotations
-
 import json
 import os
 import random
@@ -17,10 +13,9 @@ from campaign_cases import Here, campaign_file, outcome
 from coded import coded
 from killed_campaigns import ROWS
 
+from waybound import UsageError, results
 from waybound.instances.bundled import bundled_path
-from waybound.instances.errors import UsageError
 from waybound.reports.campaigns.campaign import read_campaign
-from waybound.reports.campaigns.frames import results
 from waybound.reports.campaigns.results_file import opened
 from waybound.reports.campaigns.run_processes import RunProcesses
 from waybound.reports.campaigns.running import run_campaign

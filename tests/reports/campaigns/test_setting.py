@@ -1,7 +1,3 @@
-"""Settings: equal ones have one hash, whatever way they are written, and all that matters changes it."""
-
-from __future__ import annotations
-
 from typing import Any
 
 import pytest

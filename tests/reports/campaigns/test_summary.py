@@ -1,7 +1,3 @@
-"""A campaign in one table: means over what all methods answered, and what a reader must know."""
-
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

@@ -1,15 +1,10 @@
-"""Films of missions."""
-
-from __future__ import annotations
-
 import io
 
 import numpy as np
 import pytest
 from coded import coded
 
-from waybound import run
-from waybound.instances.errors import InputError, UsageError
+from waybound import InputError, UsageError, run
 from waybound.instances.worlds import World
 from waybound.reports.missions.animation import MOST_FRAMES, Film, save_side_by_side
 from waybound.reports.missions.mission import Mission

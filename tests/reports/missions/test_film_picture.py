@@ -1,7 +1,3 @@
-"""What one picture of a film shows: places, trails, headings and assignments."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

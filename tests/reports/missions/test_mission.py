@@ -1,7 +1,3 @@
-"""What a mission is without a word of its own: one team, no rules, no pictures, values that add up."""
-
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,3 @@
-"""``run``: the loop that plays any mission, and its log."""
-
-from __future__ import annotations
-
 import dataclasses
 import math
 import os
@@ -14,10 +10,7 @@ import pytest
 from coded import coded
 
 import waybound as wb
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
-from waybound.instances.errors import InputError, UnsupportedError, UsageError
-from waybound.instances.sata.constraints import Cardinality
-from waybound.instances.sata.set_functions import Coverage
+from waybound import Cardinality, Coverage, InputError, SubmodularSelection, UnsupportedError, UsageError
 from waybound.instances.worlds import Setting, World, setting_values
 from waybound.reports.missions import running
 from waybound.reports.missions.mission import Mission

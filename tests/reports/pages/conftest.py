@@ -1,7 +1,5 @@
 """A headless Chromium that pages are looked at in."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import pytest

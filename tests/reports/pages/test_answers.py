@@ -1,7 +1,3 @@
-"""The page of one answer."""
-
-from __future__ import annotations
-
 import dataclasses
 import re
 from pathlib import Path

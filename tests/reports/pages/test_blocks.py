@@ -1,7 +1,3 @@
-"""Blocks of pages: everything in them is shown as it is."""
-
-from __future__ import annotations
-
 import re
 
 import numpy as np

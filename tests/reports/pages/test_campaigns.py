@@ -1,7 +1,3 @@
-"""The page of a campaign."""
-
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from typing import Any

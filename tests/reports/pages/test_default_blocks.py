@@ -1,7 +1,3 @@
-"""Blocks of answers of any family."""
-
-from __future__ import annotations
-
 import pytest
 
 import waybound as wb

@@ -1,7 +1,3 @@
-"""Figures within a page."""
-
-from __future__ import annotations
-
 import re
 
 import pytest

@@ -1,7 +1,3 @@
-"""Pages as people meet them: in a browser, on a desk and on a phone, light and dark."""
-
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

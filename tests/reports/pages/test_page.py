@@ -1,7 +1,3 @@
-"""Pages as files."""
-
-from __future__ import annotations
-
 import base64
 import hashlib
 import re

@@ -1,7 +1,3 @@
-"""What the blocks of a page share."""
-
-from __future__ import annotations
-
 import pytest
 
 from waybound.reports.pages.rendering import Rendering

@@ -1,7 +1,3 @@
-"""Pictures of progress."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 
 import pytest

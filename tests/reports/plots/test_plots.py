@@ -1,7 +1,3 @@
-"""How answers of any family come to be drawn, and written into files."""
-
-from __future__ import annotations
-
 import subprocess
 import sys
 

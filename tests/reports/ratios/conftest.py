@@ -1,15 +1,12 @@
 """Heuristics that break what they state, registered while a test runs."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 import pytest
 
-from waybound.formulations.evidence import Evidence, Guarantee
-from waybound.formulations.sata.selections import Selection
+from waybound import Evidence, Guarantee, Selection
 from waybound.heuristics.heuristic import HEURISTICS, Heuristic, Outcome
 from waybound.reports.ratios.guarantees import GuaranteePlan, run_plan
 from waybound.reports.ratios.judged_runs import Configuration

@@ -1,11 +1,6 @@
-"""Families of instances: seeded, and made as they say."""
-
-from __future__ import annotations
-
 import pytest
 
-from waybound.reports.studies.sata.families import max_min as graphs
-from waybound.reports.studies.sata.families import selection as random
+from waybound.reports.studies.sata.families import max_min as graphs, selection as random
 
 RANDOM = [
     *(family for rule in random.CONSTRAINTS for family in random.random_families(rule)), random.RANDOM_ASSIGNMENTS,

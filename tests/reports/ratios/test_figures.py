@@ -1,7 +1,3 @@
-"""Figures of the studies: everything that was measured is in them, in the right place."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """The suite catches what it is there to catch."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

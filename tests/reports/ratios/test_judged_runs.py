@@ -1,7 +1,5 @@
 """One run judged: its ratio, what it states against what the literature states, and its bounds against the optimum."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -9,8 +7,7 @@ import numpy as np
 import pytest
 from selection_problems import cover_tight
 
-from waybound.formulations.evidence import Evidence, Guarantee
-from waybound.formulations.sata.selections import Selection
+from waybound import Evidence, Guarantee, Selection
 from waybound.heuristics.heuristic import Outcome
 from waybound.reports.ratios.judged_runs import Case, Configuration, Expected, audit, judge, ratio_of, run_heuristic
 from waybound.reports.ratios.optimum import Optimum, optimum

@@ -1,16 +1,8 @@
-"""Optima of small instances: whoever finds them, by family."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import risky_cases
 
-from waybound.formulations.sata.selections import Selection
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
-from waybound.instances.errors import CheckFailedError, UsageError
-from waybound.instances.sata.constraints import Cardinality
-from waybound.instances.sata.set_functions import Coverage
+from waybound import Cardinality, CheckFailedError, Coverage, Selection, SubmodularSelection, UsageError
 from waybound.reports.ratios.optimum import OPTIMA, Optimum, attained, optimum, subsets
 
 PROBLEM = SubmodularSelection(Coverage.from_sets([[0], [0]], [1.0]), Cardinality(1))

@@ -1,7 +1,3 @@
-"""Findings: verdicts, and how means are told."""
-
-from __future__ import annotations
-
 import math
 
 import pytest

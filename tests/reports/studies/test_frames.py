@@ -1,7 +1,3 @@
-"""Means of studies and their intervals, and tables of them."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""The page of a report."""
-
-from __future__ import annotations
-
 import pytest
 
 from waybound.instances.errors import InputError

@@ -1,7 +1,3 @@
-"""Work spread over processes."""
-
-from __future__ import annotations
-
 import os
 import sys
 import time

@@ -1,7 +1,3 @@
-"""Every study that repeats an experiment, in its short form: findings, rows that the seed decides, interrupts, pages."""
-
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest
@@ -11,14 +7,14 @@ from waybound.reports.studies import processes
 from waybound.reports.studies.study import STUDIES, Study
 
 
-def tested_with_its_module(study: Study) -> bool:
+def has_tests_of_its_own(study: Study) -> bool:
     """The tests of the study's own module run its short form, and look at what it found as well."""
     room, module = study.run.__module__.split(".")[-2:]
     tests = Path(__file__).parent / room / f"test_{module}.py"
     return tests.exists() and f"short_form(study.{study.name.replace('-', '_')})" in tests.read_text(encoding="utf-8")
 
 
-EXPERIMENTS = [study.name for study in STUDIES.values() if study.source and not tested_with_its_module(study)]
+EXPERIMENTS = [study.name for study in STUDIES.values() if study.source and not has_tests_of_its_own(study)]
 
 SLOW = {
     "local", "sequential-greedy", "tracking-force-vectors", "tracking-weights", "tracking-bottleneck", "bottleneck", "layers",

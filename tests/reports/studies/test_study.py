@@ -1,7 +1,3 @@
-"""The contract of studies: settings, faults, reports as JSON."""
-
-from __future__ import annotations
-
 import json
 
 import pytest

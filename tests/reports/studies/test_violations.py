@@ -1,7 +1,3 @@
-"""Instances on which something went wrong: as files that are read back, and as lines for people."""
-
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest
@@ -11,11 +7,9 @@ from waybound.formulations.problem import problem_from_instance
 from waybound.instances.errors import InputError
 from waybound.instances.writing import write_instance
 from waybound.reports.studies.auctions import local_ratio
-from waybound.reports.studies.risk.families import risky_graphs
-from waybound.reports.studies.risk.families import uncertain_graphs as uncertain
+from waybound.reports.studies.risk.families import risky_graphs, uncertain_graphs as uncertain
 from waybound.reports.studies.routing.families import routing as routes
-from waybound.reports.studies.sata.families import max_min as graphs
-from waybound.reports.studies.sata.families import selection as random
+from waybound.reports.studies.sata.families import max_min as graphs, selection as random
 from waybound.reports.studies.study import Fault, Report
 from waybound.reports.studies.violations import instance_of, instance_text, summary_lines, write_faults
 from waybound.reports.tables.table import Table

@@ -1,7 +1,3 @@
-"""Reports as files."""
-
-from __future__ import annotations
-
 import csv
 import math
 

@@ -1,7 +1,3 @@
-"""Tables of answers."""
-
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 import pytest

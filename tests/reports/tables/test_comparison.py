@@ -1,7 +1,3 @@
-"""The table of a comparison as text."""
-
-from __future__ import annotations
-
 import waybound as wb
 from waybound.reports.comparison import Compared, Comparison
 from waybound.reports.tables.comparison import comparison_lines

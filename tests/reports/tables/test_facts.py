@@ -1,7 +1,3 @@
-"""What a problem holds, as data and as a table."""
-
-from __future__ import annotations
-
 import pytest
 
 import waybound as wb

@@ -1,7 +1,3 @@
-"""Tables of solvers and heuristics."""
-
-from __future__ import annotations
-
 import dataclasses
 
 import waybound as wb

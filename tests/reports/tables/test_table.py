@@ -1,15 +1,10 @@
-"""Tables of texts."""
-
-from __future__ import annotations
-
 import html.parser
 import io
 import pickle
 from typing import Any
 
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from rich.console import Console
 
 import waybound as wb

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import os
 import signal
 import subprocess
@@ -10,8 +8,7 @@ import time
 import pytest
 from programs import INF, program
 
-from waybound.formulations.programs.program import Program
-from waybound.instances.errors import UsageError
+from waybound import Program, UsageError
 from waybound.solvers.backend import Control, Options
 from waybound.solvers.backends.cbc import Log
 from waybound.solvers.backends.pulp import PuLP

@@ -1,7 +1,3 @@
-"""CP-SAT: counting, statuses, parameters, and what it refuses."""
-
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace
@@ -14,10 +10,8 @@ from programs import program
 from sata_cases import CASES
 
 import waybound as wb
+from waybound import BottleneckSATA, InputError, UnsupportedError, UsageError, WinnerTakesAllSATA
 from waybound.formulations.programs.circuits import Circuit
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
-from waybound.instances.errors import InputError, UnsupportedError, UsageError
 from waybound.solvers.backend import STATUSES, Control, Options
 from waybound.solvers.backends import cpsat
 from waybound.solvers.backends.cpsat import STATUS_MAP, CpSat

@@ -1,7 +1,5 @@
 """CVXPY: its solvers by name, statuses that are not believed, and duals of every kind of row."""
 
-from __future__ import annotations
-
 import math
 from types import SimpleNamespace
 

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import re
 from dataclasses import replace
 
@@ -7,13 +5,8 @@ import numpy as np
 import pytest
 from programs import program
 
+from waybound import LongestRoute, Program, RoutingProblem, Sites, Travel, UsageError, Vehicles, VehicleType
 from waybound.formulations.forms import FORMS
-from waybound.formulations.programs.program import Program
-from waybound.formulations.routing.objective import LongestRoute, Vehicles
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.errors import UsageError
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import Travel
 from waybound.solvers.backend import LIMITS, STATUSES, Control, Options
 from waybound.solvers.backends.highs import INTERIOR_POINT, SOUND, STATUS_MAP, Highs, named_options, sound
 

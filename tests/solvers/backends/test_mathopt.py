@@ -1,7 +1,3 @@
-"""MathOpt: its solvers by name, what each takes, and errors that reach the user as features."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -11,10 +7,9 @@ from programs import program
 from sata_cases import CASES
 
 import waybound as wb
+from waybound import UnsupportedError, UsageError, WinnerTakesAllSATA
 from waybound.formulations.programs.program import INTEGERS, QUADRATIC
 from waybound.formulations.programs.reductions.reduction import Irreducible
-from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
-from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.solvers.backend import LIMITS, STATUSES, Control, Options
 from waybound.solvers.backends import mathopt as module
 from waybound.solvers.backends.mathopt import PROGRAMS, REASONS, REDUCTIONS, MathOpt, SeparableObjective

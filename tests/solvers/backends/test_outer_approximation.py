@@ -1,7 +1,3 @@
-"""Outer approximation: whole points in discs and cones, bounds on the way, limits, and what it refuses."""
-
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace
@@ -9,13 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from programs import program
 
+from waybound import Program, UnsupportedError, UsageError
 from waybound.formulations.programs.cones import Cones
-from waybound.formulations.programs.program import Program
-from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.solvers.backend import BACKENDS, Control, Options
 from waybound.solvers.backends.outer_approximation import OuterApproximation
 

@@ -1,10 +1,7 @@
-from __future__ import annotations
-
 import pytest
 
 from tests.programs import program
-from waybound.formulations.programs.program import Program
-from waybound.instances.errors import MissingPackageError, UsageError
+from waybound import MissingPackageError, Program, UsageError
 from waybound.solvers.backend import Control, Options
 from waybound.solvers.backends.pulp import PuLP
 

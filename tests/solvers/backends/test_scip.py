@@ -1,7 +1,3 @@
-"""SCIP through PySCIPOpt: duals with presolving off, nonconvex objectives, starts and parameters."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -11,8 +7,7 @@ from programs import program
 
 from waybound.formulations.programs.reductions.reduction import Irreducible
 from waybound.instances.errors import MissingPackageError, UsageError
-from waybound.solvers.backend import LIMITS as OUR_LIMITS
-from waybound.solvers.backend import Control, Options, solver_named
+from waybound.solvers.backend import LIMITS as OUR_LIMITS, Control, Options, solver_named
 from waybound.solvers.backends.scip import LIMITS, FiniteNumbers, Scip
 
 INF = math.inf

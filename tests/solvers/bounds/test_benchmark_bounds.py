@@ -1,7 +1,5 @@
 """On real files no verified bound exceeds the best known value, and the methods reach the gaps they are known for."""
 
-from __future__ import annotations
-
 import csv
 import math
 

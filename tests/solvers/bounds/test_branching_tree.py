@@ -1,7 +1,5 @@
 """Branch and bound that is there to prove: the optimum, or that there is no answer, by evidence that a checker takes."""
 
-from __future__ import annotations
-
 import json
 import math
 import time

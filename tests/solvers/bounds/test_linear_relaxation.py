@@ -1,7 +1,3 @@
-"""Duals of a form's linear relaxation prove a bound."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np

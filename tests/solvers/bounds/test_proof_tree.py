@@ -1,7 +1,5 @@
 """Trees that grow: what they drop, and that a branching for which there was no time leaves nothing behind."""
 
-from __future__ import annotations
-
 import math
 
 import pytest
@@ -9,8 +7,7 @@ from branching_programs import hard, knapsack, random_program
 from patience import HANG
 from truth.families import truth
 
-from waybound.formulations.evidence import Evidence
-from waybound.formulations.problem import Problem
+from waybound import Evidence, Problem
 from waybound.formulations.stop import Stop
 from waybound.formulations.verified_bounds import verified_bound
 from waybound.solvers.bounds import proof_tree

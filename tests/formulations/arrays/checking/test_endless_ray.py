@@ -1,7 +1,5 @@
 """A point and a ray prove an objective endless only where it is."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from programs import INF, program

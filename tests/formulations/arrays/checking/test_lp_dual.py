@@ -1,7 +1,3 @@
-"""Row duals multiplied out against the arrays never prove more than the optimum, and optimal ones prove it."""
-
-from __future__ import annotations
-
 import math
 from fractions import Fraction
 from types import SimpleNamespace
@@ -9,8 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from programs import program
 from scipy.optimize import Bounds, LinearConstraint, linprog, milp
 

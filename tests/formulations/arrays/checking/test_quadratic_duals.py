@@ -1,7 +1,5 @@
 """Lines below a quadratic objective, with any duals and shares, prove no more than the optimum; it is known by enumeration in fractions."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded
@@ -21,16 +19,14 @@ def test_arrays_from_text_to_text() -> None:
         integer=[0, 1], sense="max", offset=7, quadratic=[[-2, 1, 0], [1, 0, 0], [0, 0, 0]],
     )  # fmt: skip
     compiled = ArrayProblem(given).compile("arrays")
-    assert program_text(compiled.program) == expected(
-        """
+    assert program_text(compiled.program) == expected("""
         max 3 x0 + 2 x1 - x2 - x0^2 + x0 x1 + 7
         row[0]: 2 x0 + 3 x1 <= 10.5
         row[1]: 1 <= x0 - x2 <= 4
         0 <= x0 <= 4 integer
         x1 binary
         x2 >= -2
-        """
-    )
+    """)
 
 
 def test_the_form_gives_the_program_its_name_and_changes_no_number() -> None:
@@ -67,16 +63,14 @@ GIVEN = ArrayProblem(program([1, 2], [[1, 1]], -INF, 3, [0, -1], [1, 2], integer
 
 
 def test_linear_products_from_text_to_text() -> None:
-    assert program_text(GIVEN.compile("linear-products").program) == expected(
-        """
+    assert program_text(GIVEN.compile("linear-products").program) == expected("""
         max 4 x0 + 2 x1 + 3 product[0,1] + 4
         row: x0 + x1 <= 3
         product_of_0[0]: - 2 x0 + product[0,1] <= 0
         product_of_1[0]: x0 - x1 + product[0,1] <= 1
         x0 binary
         -1 <= x1, product[0,1] <= 2
-        """
-    )
+    """)
 
 
 def test_answers_are_vectors_of_the_program_itself() -> None:

@@ -1,7 +1,3 @@
-"""Prices as evidence: any prove a bound, good ones the optimum, at any scale."""
-
-from __future__ import annotations
-
 import math
 from fractions import Fraction
 
@@ -11,9 +7,8 @@ from bin_assignments import enumerated, random_costs, worked
 from coded import coded
 from draws import draws
 
-from waybound.formulations.auctions.bin_assignment import BinAssignment
+from waybound import BinAssignment, InputError
 from waybound.formulations.auctions.checking.assignment_prices import check_assignment_prices
-from waybound.instances.errors import InputError
 
 
 def exactly(problem: BinAssignment, prices: list[float], level: float) -> Fraction:

@@ -1,16 +1,9 @@
-"""The checker of average parts: it passes no optimum, in any units, with weights of any sign."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
-from coded import coded
-from task_problems import best_partition_value, drawn, line, parts
+from task_problems import best_partition_value, drawn, parts
 
-from waybound.formulations.auctions.balanced_partition import BalancedPartition
+from waybound import BalancedPartition, RobotTasks
 from waybound.formulations.evidence import CHECKERS
-from waybound.instances.auctions.robot_tasks import RobotTasks
-from waybound.instances.errors import InputError
 
 check = CHECKERS["average-part"]
 
@@ -51,8 +44,3 @@ def test_no_least_difference_of_weights_is_below():
         weights = rng.integers(-2 if k % 3 == 0 else 0, 9, int(rng.integers(1, 6))) * (1.0, 3.0, 0.1)[k % 3]
         asked = parts([0.0] * len(weights), int(rng.integers(1, 4)), weights=weights, edges="none", objective="min-difference")
         assert check(asked, {}) <= best_partition_value(asked)
-
-
-def test_other_families_are_refused():
-    with pytest.raises(InputError, check=coded("foreign")):
-        check(line([0], [1]), {})

@@ -1,7 +1,3 @@
-"""The best visits and observations bound every exploration."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from bin_assignments import worked

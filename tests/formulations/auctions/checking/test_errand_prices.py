@@ -1,7 +1,3 @@
-"""Prices of errands as evidence: any prove a bound, whatever the units."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""Prices of jobs as evidence: any prove a bound, whatever the units."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -11,10 +7,9 @@ from coded import coded
 from draws import draws
 from knapsack_assignments import enumerated, random_assignment, worked
 
+from waybound import GeneralisedAssignment, InputError
 from waybound.formulations.auctions.checking import job_prices
 from waybound.formulations.auctions.checking.job_prices import check_capacity_need, check_job_prices
-from waybound.formulations.auctions.generalised_assignment import GeneralisedAssignment
-from waybound.instances.errors import InputError
 
 
 @pytest.mark.share(5)

@@ -1,7 +1,3 @@
-"""Robots and bins that meet pairs as evidence."""
-
-from __future__ import annotations
-
 import itertools
 import math
 
@@ -11,9 +7,8 @@ from bin_assignments import enumerated, random_costs, worked
 from coded import coded
 from draws import draws
 
-from waybound.formulations.auctions.bin_assignment import BinAssignment
+from waybound import BinAssignment, InputError
 from waybound.formulations.auctions.checking.pair_cover import check_pair_cover
-from waybound.instances.errors import InputError
 
 
 def test_no_choice_of_robots_and_bins_proves_more_than_the_least_largest_cost_and_some_proves_it() -> None:

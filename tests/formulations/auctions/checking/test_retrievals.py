@@ -1,7 +1,3 @@
-"""Evidence of retrievals."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 from itertools import permutations
 
@@ -12,11 +8,10 @@ from draws import draws
 from orchard_cases import random_jobs, retrievals
 
 import waybound as wb
+from waybound import InputError, OrchardJobs
 from waybound.formulations.auctions.orchard_day import OrchardDay, in_order
 from waybound.formulations.evidence import CHECKERS
 from waybound.instances.auctions.orchard_grid import OrchardGrid
-from waybound.instances.auctions.orchard_jobs import OrchardJobs
-from waybound.instances.errors import InputError
 
 check = CHECKERS["retrievals"]
 

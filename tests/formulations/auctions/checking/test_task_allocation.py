@@ -1,16 +1,10 @@
-"""The checkers of task forests and shortest ways: their bounds hold for every answer, whatever the evidence, in any units."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded
 from task_problems import OBJECTIVES, best_paths_value, drawn, line, parts
 
-from waybound.formulations.auctions.task_allocation import TaskAllocation
+from waybound import InputError, RobotTasks, TaskAllocation
 from waybound.formulations.evidence import CHECKERS
-from waybound.instances.auctions.robot_tasks import RobotTasks
-from waybound.instances.errors import InputError
 
 forest, ways = CHECKERS["task-forest"], CHECKERS["shortest-ways"]
 

@@ -1,7 +1,3 @@
-"""Form ``assignment-knapsacks``, from text to text."""
-
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest
@@ -24,8 +20,7 @@ YARD = """
 
 def test_assignment_knapsacks_from_text_to_text(tmp_path: Path) -> None:
     """Job b fits p alone, and consumes nothing there."""
-    assert written(YARD, "assignment-knapsacks", tmp_path) == expected(
-        """
+    assert written(YARD, "assignment-knapsacks", tmp_path) == expected("""
         assignment-knapsacks, exact
         min 2 x[p,a] + 6 x[p,b] + 4 x[q,a]
         job[a]: x[p,a] + x[q,a] = 1
@@ -33,8 +28,7 @@ def test_assignment_knapsacks_from_text_to_text(tmp_path: Path) -> None:
         capacity[p]: 2 x[p,a] <= 4
         capacity[q]: 3 x[q,a] <= 3
         x[p,a], x[p,b], x[q,a] binary
-        """
-    )
+    """)
 
 
 def test_profits_leave_jobs_undone(tmp_path: Path) -> None:

@@ -1,7 +1,3 @@
-"""Forms of bin assignments: every solver finds the optimum, duals prove it, and the programs are those of the page."""
-
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -12,11 +8,10 @@ from draws import draws
 from program_text import expected, program_text, written
 
 import waybound as wb
-from waybound.formulations.auctions.bin_assignment import BinAssignment
+from waybound import BinAssignment, InputError
 from waybound.formulations.auctions.forms.bin_pairs import decoded, encoded, pair_rows
 from waybound.formulations.problem import problem_from_instance
 from waybound.formulations.verified_bounds import verified_bound
-from waybound.instances.errors import InputError
 from waybound.instances.reading import read_instance
 
 
@@ -77,8 +72,7 @@ TWO_ROBOTS = """
 
 def test_bipartite_from_text_to_text(tmp_path: Path) -> None:
     """Of p and q one gets bin a, the only one of both: two pairs, which are neither all robots nor all bins."""
-    assert written(CROWDED, "bipartite", tmp_path) == expected(
-        """
+    assert written(CROWDED, "bipartite", tmp_path) == expected("""
         bipartite, exact
         min 4 x[p,a] + 3 x[q,a] + 5 x[r,a] + 1.5 x[r,b] + 7 x[r,c]
         robot[p]: 0 <= x[p,a] <= 1
@@ -89,13 +83,11 @@ def test_bipartite_from_text_to_text(tmp_path: Path) -> None:
         bin[c]: 0 <= x[r,c] <= 1
         pairs: x[p,a] + x[q,a] + x[r,a] + x[r,b] + x[r,c] = 2
         x[p,a], x[q,a], x[r,a], x[r,b], x[r,c] binary
-        """
-    )
+    """)
 
 
 def test_robots_that_are_all_asked_for_have_equations(tmp_path: Path) -> None:
-    assert written(TWO_ROBOTS, "bipartite", tmp_path) == expected(
-        """
+    assert written(TWO_ROBOTS, "bipartite", tmp_path) == expected("""
         bipartite, exact
         min 4 x[p,a] + 6 x[p,c] + 3 x[q,a] + 2 x[q,b]
         robot[p]: x[p,a] + x[p,c] = 1
@@ -104,8 +96,7 @@ def test_robots_that_are_all_asked_for_have_equations(tmp_path: Path) -> None:
         bin[b]: 0 <= x[q,b] <= 1
         bin[c]: 0 <= x[p,c] <= 1
         x[p,a], x[p,c], x[q,a], x[q,b] binary
-        """
-    )
+    """)
 
 
 @pytest.mark.parametrize("name", BOTTLENECKS)
@@ -135,8 +126,7 @@ def test_largest_cost_from_text_to_text(tmp_path: Path) -> None:
     (tmp_path / "t.csv").write_text(expected(CROWDED))
     made = problem_from_instance(read_instance(tmp_path / "t.csv"), "bottleneck-assignment").compile("largest-cost")
     assert (made.form, made.exactness.value) == ("largest-cost", "exact")
-    assert program_text(made.program) == expected(
-        """
+    assert program_text(made.program) == expected("""
         min t + 1.5
         cost[p]: 2.5 x[p,a] - t <= 0
         cost[q]: 1.5 x[q,a] - t <= 0
@@ -150,5 +140,4 @@ def test_largest_cost_from_text_to_text(tmp_path: Path) -> None:
         pairs: x[p,a] + x[q,a] + x[r,a] + x[r,b] + x[r,c] = 2
         x[p,a], x[q,a], x[r,a], x[r,b], x[r,c] binary
         0 <= t <= 5.5
-        """
-    )
+    """)

@@ -1,7 +1,3 @@
-"""Form ``errand-choice``: from text to text, points and answers, and rows."""
-
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -11,8 +7,7 @@ from draws import draws
 from joint_assignments import WORKED, random_joint
 from program_text import expected, written
 
-from waybound.formulations.auctions.joint_assignment import JointAssignment
-from waybound.instances.errors import InputError
+from waybound import InputError, JointAssignment
 
 YARD = """
     {"waybound": 1, "kind": "joint-assignment", "name": "yard", "problem": "joint-assignment",
@@ -24,8 +19,7 @@ YARD = """
 
 def test_errand_choice_from_text_to_text(tmp_path: Path) -> None:
     """Robot p brings nothing and cannot get to b; q by r takes 3 + 4 to a, and 3 to b, which is full by then."""
-    assert written(YARD, "errand-choice", tmp_path, ".json") == expected(
-        """
+    assert written(YARD, "errand-choice", tmp_path, ".json") == expected("""
         errand-choice, exact
         min y[p,a,none] + 7 y[q,a,r] + 2 y[q,a,none] + 3 y[q,b,r] + 5 y[q,b,none] + 3 y[q,none,r]
         robot[p]: y[p,a,none] <= 1
@@ -36,8 +30,7 @@ def test_errand_choice_from_text_to_text(tmp_path: Path) -> None:
         pickups: y[p,a,none] + y[q,a,r] + y[q,a,none] + y[q,b,r] + y[q,b,none] = 2
         deliveries: y[q,a,r] + y[q,b,r] + y[q,none,r] = 1
         y[p,a,none], y[q,a,r], y[q,a,none], y[q,b,r], y[q,b,none], y[q,none,r] binary
-        """
-    )
+    """)
 
 
 def test_answers_are_points_at_their_time_and_points_answers() -> None:

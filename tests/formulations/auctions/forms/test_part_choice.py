@@ -1,7 +1,3 @@
-"""The form of parts: its optimum is that of the problem, every partition is a point of it at its value, and back."""
-
-from __future__ import annotations
-
 import itertools
 from pathlib import Path
 
@@ -10,9 +6,8 @@ import pytest
 from program_text import expected, program_text
 from task_problems import best_partition_value, drawn, parts
 
-from waybound.formulations.auctions.balanced_partition import BalancedPartition
+from waybound import BalancedPartition, InputError, UnsupportedError
 from waybound.formulations.problem import problem_from_instance
-from waybound.instances.errors import InputError, UnsupportedError
 from waybound.instances.reading import read_instance
 from waybound.solvers.backend import Control, Options, solver_named
 
@@ -56,8 +51,7 @@ def test_part_choice_from_text_to_text(tmp_path: Path) -> None:
     (tmp_path / "t.csv").write_text("role,name,x,y,weight\nrobot,r,0,0,\nrobot,s,9,0,\ntask,a,0,0,4\ntask,b,2,0,-1\n")
     instance = read_instance(tmp_path / "t.csv")
     problem = problem_from_instance(instance, "balanced-partition", edges="clique", objective="min-difference")
-    assert program_text(problem.compile("part-choice").program) == expected(
-        """
+    assert program_text(problem.compile("part-choice").program) == expected("""
         min 4 t - 4 s
         share[a]: y[a,r] + y[a,s] = 1
         share[b]: y[b,r] + y[b,s] = 1
@@ -73,5 +67,4 @@ def test_part_choice_from_text_to_text(tmp_path: Path) -> None:
         second[a,b,s]: - y[b,s] + z[a,b,s] <= 0
         y[a,r], y[a,s], y[b,r], y[b,s], z[a,b,r], z[a,b,s] binary
         -0.25 <= t, s <= 1.5
-        """
-    )
+    """)

@@ -1,7 +1,3 @@
-"""The form of paths: its optimum is that of the problem, every answer is a point of it at its value, and back."""
-
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -9,8 +5,7 @@ import pytest
 from program_text import expected, written
 from task_problems import OBJECTIVES, all_paths, best_paths_value, drawn, line
 
-from waybound.formulations.auctions.task_allocation import TaskAllocation
-from waybound.instances.errors import InputError
+from waybound import InputError, TaskAllocation
 from waybound.solvers.backend import Control, Options, solver_named
 
 
@@ -71,8 +66,7 @@ TEAM = """
 
 def test_path_flow_from_text_to_text(tmp_path: Path) -> None:
     """Arcs from both robots and between both tasks, with as much flow as tasks are still to come."""
-    assert written(TEAM, "path-flow", tmp_path) == expected(
-        """
+    assert written(TEAM, "path-flow", tmp_path) == expected("""
         path-flow, exact
         min 4 x[robot r,task a] + 5 x[robot r,task b] + 5 x[robot s,task a] + 5.83095 x[robot s,task b] + 3 x[task a,task b] + 3
             x[task b,task a]
@@ -93,5 +87,4 @@ def test_path_flow_from_text_to_text(tmp_path: Path) -> None:
         x[robot r,task a], x[robot r,task b], x[robot s,task a], x[robot s,task b], x[task a,task b], x[task b,task a] binary
         0 <= f[robot r,task a], f[robot r,task b], f[robot s,task a], f[robot s,task b] <= 2
         0 <= f[task a,task b], f[task b,task a] <= 1
-        """
-    )
+    """)

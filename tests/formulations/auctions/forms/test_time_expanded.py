@@ -1,7 +1,3 @@
-"""Form ``time-expanded``: from text to text; answers are points of their gain, and points answers."""
-
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -23,8 +19,7 @@ HALL = """
 
 def test_time_expanded_from_text_to_text(tmp_path: Path) -> None:
     """Two robots in the hall, one step, nobody heard in the other room."""
-    assert written(HALL, "time-expanded", tmp_path, ".json") == expected(
-        """
+    assert written(HALL, "time-expanded", tmp_path, ".json") == expected("""
         time-expanded, exact
         max 0.5 z-go[h,0] + 4 z-go[a,0] + 2 z-map[a,0] + 3 z-search[a,0]
         start[0]: m[1,h,a,go,1] + m[1,h,h,go,1] + m[1,h,h,map,1] + m[1,h,h,search,1] = 1
@@ -60,8 +55,7 @@ def test_time_expanded_from_text_to_text(tmp_path: Path) -> None:
             m[2,h,h,search,1], m[2,a,a,search,1], K[1,0], K[2,0], c[1,2,1], c[2,1,1] binary
         0 <= z-go[h,0], z-go[a,0], z-map[h,0], z-map[a,0], z-search[h,0], z-search[a,0] <= 1
         0 <= b[1,0], b[2,0], f[1,2,1], f[2,1,1] <= 2
-        """
-    )
+    """)
 
 
 def test_steps_are_joined_and_each_silence_is_as_long_as_allowed(tmp_path: Path) -> None:

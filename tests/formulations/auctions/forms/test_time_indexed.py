@@ -1,7 +1,3 @@
-"""Form ``time-indexed``: from text to text, and the optima of days on which all bins stand, as by intervals."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 
@@ -27,8 +23,7 @@ ORCHARD = """
 
 def test_time_indexed_from_text_to_text(tmp_path: Path) -> None:
     """Both bins are a step out and two home, the second full at step 3; the second robot is in the field, a step from home."""
-    assert written(ORCHARD, "time-indexed", tmp_path, ".json") == expected(
-        """
+    assert written(ORCHARD, "time-indexed", tmp_path, ".json") == expected("""
         time-indexed, exact
         min C
         fetched[1]: x[1,0] + x[1,1] + x[1,2] + y[2,1] = 1
@@ -43,8 +38,7 @@ def test_time_indexed_from_text_to_text(tmp_path: Path) -> None:
         last[2]: 5 x[2,2] + 5 y[2,2] - C <= 0
         x[1,0], x[1,1], x[1,2], x[2,2], y[2,1], y[2,2], g[2] binary
         0 <= C <= 5
-        """
-    )
+    """)
 
 
 def test_a_sum_of_steps_has_no_last_one_and_more_time(tmp_path: Path) -> None:

@@ -1,7 +1,5 @@
 """What no hand-over lets pass: cones and products that it cannot hold, numbers that are none, sides that cross."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -10,8 +8,7 @@ import numpy as np
 import pytest
 from exported import everything, reference, rows_of, variables
 
-from waybound.formulations.programs.program import Program, Rows
-from waybound.instances.errors import InputError, UnsupportedError
+from waybound import InputError, Program, Rows, UnsupportedError
 
 
 def test_pulp_refuses_a_quadratic_objective_and_only_cvxpy_takes_cones() -> None:

@@ -1,7 +1,3 @@
-"""CVXPY models: a vector variable a block, the same optimum."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Every hand-over and file keeps the program: same arrays where they can be read back, same optimum everywhere."""
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any
@@ -12,11 +10,9 @@ import scipy.sparse as sp
 from coded import coded
 from draws import draws
 from exported import PROGRAMS, arrays_of, everything, highs_value, read_back, reference, rows_of, variables
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
-from waybound.formulations.programs.program import Program
-from waybound.instances.errors import InputError, UsageError
+from waybound import InputError, Program, UsageError
 
 
 @pytest.mark.parametrize("suffix", ["mps", "lp"])

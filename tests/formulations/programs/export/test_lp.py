@@ -1,7 +1,3 @@
-"""LP format: what is written, and what a reader makes of it."""
-
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,7 +1,3 @@
-"""Models of HiGHS, MathOpt and PuLP: the arrays as they are, the same optimum, and refusals by name."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -9,8 +5,7 @@ import pytest
 import scipy.sparse as sp
 from exported import PROGRAMS, arrays_of, everything, reference, rows_of, variables
 
-from waybound.formulations.programs.program import Program
-from waybound.instances.errors import InputError
+from waybound import InputError, Program
 
 
 @pytest.mark.parametrize("name", PROGRAMS)

@@ -1,7 +1,3 @@
-"""MPS: every number comes back to the last bit."""
-
-from __future__ import annotations
-
 import math
 from pathlib import Path
 

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import pytest
 
 from tests.program_text import expected, program_text
@@ -10,13 +8,11 @@ from waybound.formulations.programs.reductions.reduction import Irreducible
 
 def test_integrality_is_dropped_and_bounds_stay() -> None:
     (step,) = CONTINUOUS_RELAXATION.apply(program([1, 1], [[1, 2]], 3, 8, 0, 5, integer=[0, 1]))
-    assert program_text(step.program) == expected(
-        """
+    assert program_text(step.program) == expected("""
         min x0 + x1
         row: 3 <= x0 + 2 x1 <= 8
         0 <= x0, x1 <= 5
-        """
-    )
+    """)
     assert str(step.link) == "continuous-relaxation (relaxation): integrality of 2 variables dropped"
 
 

@@ -1,14 +1,9 @@
-"""Bounds for variables that have none: from rows, and from what the objective makes worth having."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from programs import program
 
 from waybound.formulations.programs.reductions.finite_bounds import FINITE_BOUNDS

@@ -1,11 +1,8 @@
-from __future__ import annotations
-
 import itertools
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from tests.program_text import expected, program_text
 from tests.programs import INF, program
@@ -18,16 +15,14 @@ from waybound.solvers.backends.highs import Highs
 def test_products_that_shall_be_large_are_held_from_above_and_squares_of_binaries_are_linear() -> None:
     given = program([1, 2], [[1, 1]], -INF, 3, 0, [1, 3], integer=[0], sense="max", quadratic=[[8, 5], [5, 0]])
     (step,) = LINEAR_PRODUCTS.apply(given)
-    assert program_text(step.program) == expected(
-        """
+    assert program_text(step.program) == expected("""
         max 5 x0 + 2 x1 + 5 product[0,1]
         row: x0 + x1 <= 3
         product_of_0[0]: - 3 x0 + product[0,1] <= 0
         product_of_1[0]: - x1 + product[0,1] <= 0
         x0 binary
         0 <= x1, product[0,1] <= 3
-        """
-    )
+    """)
     assert step.encoded(np.array([1.0, 2.0])).tolist() == [1.0, 2.0, 2.0]
     assert step.vector(np.array([1.0, 2.0, 2.0])).tolist() == [1.0, 2.0]
 

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import numpy as np
 
 from tests.program_text import expected, program_text
@@ -9,14 +7,12 @@ from waybound.formulations.programs.reductions.minimisation import MINIMISATION
 
 def test_a_program_to_be_maximised_has_its_sign_turned_and_loses_its_constant() -> None:
     (step,) = MINIMISATION.apply(program([3, -2], [[1, 2]], -INF, 8, 0, 5, integer=[0], sense="max", offset=7))
-    assert program_text(step.program) == expected(
-        """
+    assert program_text(step.program) == expected("""
         min - 3 x0 + 2 x1
         row: x0 + 2 x1 <= 8
         0 <= x0 <= 5 integer
         0 <= x1 <= 5
-        """
-    )
+    """)
     assert (step.value(-15.0), step.bound(-16.0)) == (22.0, 23.0)
     assert step.duals(np.array([-1.0, 2.0])).tolist() == [1.0, -2.0]
 

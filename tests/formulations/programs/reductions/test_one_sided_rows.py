@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import numpy as np
 
 from tests.program_text import expected, program_text
@@ -9,8 +7,7 @@ from waybound.formulations.programs.reductions.one_sided_rows import ONE_SIDED_R
 
 def test_ranges_are_split_and_their_duals_added_up() -> None:
     (step,) = ONE_SIDED_ROWS.apply(program([1, 1], [[1, 2], [1, -1], [0, 1], [2, 1]], [1, -INF, 3, 4], [8, 5, 3, INF]))
-    assert program_text(step.program) == expected(
-        """
+    assert program_text(step.program) == expected("""
         min x0 + x1
         row[0]: x0 + 2 x1 <= 8
         row[1]: x0 - x1 <= 5
@@ -18,8 +15,7 @@ def test_ranges_are_split_and_their_duals_added_up() -> None:
         row[3]: 2 x0 + x1 >= 4
         row.low: x0 + 2 x1 >= 1
         x0, x1 >= 0
-        """
-    )
+    """)
     assert step.duals(np.array([0.0, 1.0, 2.0, 3.0, 4.0])).tolist() == [4.0, 1.0, 2.0, 3.0]
     assert step.told == "1 ranges split"
 

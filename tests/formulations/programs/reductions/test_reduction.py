@@ -1,13 +1,8 @@
-"""Chains of reductions: whatever is done to a program, its points, values, bounds and duals come back."""
-
-from __future__ import annotations
-
 import itertools
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from tests.programs import INF, program
 from waybound.formulations.programs.exactness import Exactness

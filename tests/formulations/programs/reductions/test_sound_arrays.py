@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -19,13 +17,11 @@ def test_what_a_row_holds_of_one_column_is_added_up_and_the_original_stays() -> 
     twice = replace(rows, indptr=np.array([0, 3], np.int32), indices=np.array([0, 1, 0], np.int32), data=np.array([1.0, 5.0, 2.0]))
     given = replace(given, rows=(twice,))
     (step,) = UNIQUE_ENTRIES.apply(given)
-    assert program_text(step.program) == expected(
-        """
+    assert program_text(step.program) == expected("""
         min x0 + x1
         row: 1 <= 3 x0 + 5 x1 <= 2
         0 <= x0, x1 <= 1
-        """
-    )
+    """)
     assert step.program.data.tolist() == [3.0, 5.0]
     assert str(step.link) == "unique-entries (exact): 1 coefficients added to others"
     assert len(given.data) == 3

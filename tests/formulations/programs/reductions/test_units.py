@@ -1,7 +1,3 @@
-"""Programs are brought to sizes that solvers count in, and everything comes back in its own units."""
-
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -9,8 +5,7 @@ import numpy as np
 import pytest
 from draws import draws
 from hostile_instances import FAMILIES, UNCERTAIN, Units
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 import waybound as wb
 from waybound.formulations.programs.cones import Cones

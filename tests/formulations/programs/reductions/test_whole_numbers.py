@@ -1,15 +1,10 @@
-"""Programs in integers: what they allow contains what the program allows, and their optimum is its optimum."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
 import scipy.sparse as sp
 from draws import draws
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 from programs import program
 
 from waybound.formulations.programs.reductions.reduction import Irreducible

@@ -1,18 +1,12 @@
-"""The checker of potentials: what they prove holds for every path, whatever they are."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
-from coded import coded
 from uncertain_graphs import WORKED, all_paths, graph_of, random_graph
 
+from waybound import InputError, UncertainPath
 from waybound.formulations.evidence import CHECKERS
-from waybound.formulations.risk.uncertain_path import UncertainPath
 from waybound.formulations.stop import NEVER
-from waybound.instances.errors import InputError
 from waybound.solvers.engines.risk.supported_paths import supported_paths
 
 check = CHECKERS["path-potentials"]
@@ -78,8 +72,3 @@ def test_nothing_proves_no_more_than_that_costs_are_not_negative():
 def test_evidence_of_another_shape_is_refused(data, message):
     with pytest.raises(InputError, match=message):
         check(UncertainPath(graph_of(WORKED), 0.05), data)
-
-
-def test_other_families_are_refused():
-    with pytest.raises(InputError, check=coded("foreign")):
-        check(type("Other", (), {"family": "routing", "problem": "tsp"})(), {})

@@ -1,7 +1,3 @@
-"""The bound that prices prove: for any prices, at any scale, and from the tail alone."""
-
-from __future__ import annotations
-
 import math
 from decimal import Decimal, getcontext
 from typing import Any
@@ -11,7 +7,7 @@ import pytest
 from risk_problems import around_a_box, margins, problem, run
 from scipy.optimize import minimize_scalar
 
-from waybound.formulations.evidence import Evidence
+from waybound import Evidence, InputError, RiskAllocation
 from waybound.formulations.risk.checking.risk_allocation_duals import (
     TAIL_ERROR,
     _least_margin,
@@ -20,9 +16,7 @@ from waybound.formulations.risk.checking.risk_allocation_duals import (
     least_quantile,
     tail,
 )
-from waybound.formulations.risk.risk_allocation import RiskAllocation
 from waybound.formulations.verified_bounds import verified_bound
-from waybound.instances.errors import InputError
 from waybound.reports.benchmarks.risk_allocation import random_problem
 from waybound.solvers.engines.risk.convex_allocation import ConvexAllocation
 

@@ -1,7 +1,3 @@
-"""Blocks that all forms share."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from risk_problems import problem

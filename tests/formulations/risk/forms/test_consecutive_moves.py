@@ -1,7 +1,3 @@
-"""The form of consecutive moves: its optimum, its duals, and the way back."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import risky_cases as cases
@@ -82,8 +78,7 @@ SQUARE = """
 
 
 def test_consecutive_moves_from_text_to_text(tmp_path):
-    assert written(SQUARE, "consecutive-moves", tmp_path) == expected(
-        """
+    assert written(SQUARE, "consecutive-moves", tmp_path) == expected("""
         consecutive-moves, exact
         min 0.693147 begin[a b] + 0.223144 begin[a c] + 0.223144 follow[b d,d c] + 0.693147 follow[c d,d b]
         start: begin[a b] + begin[a c] = 1
@@ -100,5 +95,4 @@ def test_consecutive_moves_from_text_to_text(tmp_path):
         visit[c]: begin[a c] + follow[b d,d c] <= 1
         visit[d]: follow[a b,b d] + follow[a c,c d] <= 1
         begin[a b], begin[a c], follow[a b,b d], follow[a c,c d], follow[b d,d c], follow[c d,d b], end[b d], end[c d] binary
-        """
-    )
+    """)

@@ -1,20 +1,15 @@
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from program_text import expected, written
-from risk_problems import around_a_box, problem
-from risk_problems import margins as margins_problem
+from risk_problems import around_a_box, margins as margins_problem, problem
 from scipy.stats import chi2
 
 import waybound as wb
-from waybound.api import solve
-from waybound.formulations.programs.exactness import Exactness
+from waybound import Exactness, solve
 from waybound.formulations.risk.forms.fixed_risks import (
     ROUNDED,
     ellipsoid_refuses,
@@ -118,8 +113,7 @@ TERMS = """
 
 def test_uniform_from_text_to_text(tmp_path: Path) -> None:
     """Risks 0.05 and 0.02: 5 - 2 x 1.644854 and 6 - 0.5 - 2.053749. The square is 3 (x1 + x2 - 1)^2, multiplied out."""
-    assert written(TERMS, "uniform", tmp_path, ".json") == expected(
-        """
+    assert written(TERMS, "uniform", tmp_path, ".json") == expected("""
         uniform, restriction
         min - 7 x[x1] - 8 x[x2] + 2 absolute-1[0] + 0.5 norm-2[0] + 3 x[x1]^2 + 6 x[x1] x[x2] + 3 x[x2]^2 + 6
         constraint[1]: x[x1] + x[x2] <= 7
@@ -131,8 +125,7 @@ def test_uniform_from_text_to_text(tmp_path: Path) -> None:
         cone-1: |(2 x[x1], x[x2] + 1)| <= x[x2] + 5
         0 <= x[x1] <= 4
         x[x2], absolute-1[0], norm-2[0] >= 0
-        """
-    )
+    """)
 
 
 def test_the_radius_is_that_of_the_noise_there_is() -> None:
@@ -173,8 +166,7 @@ PLANE = """
 
 def test_ellipsoid_from_text_to_text(tmp_path: Path) -> None:
     """Three constraints of noise in two dimensions: rho^2 = -2 ln 0.1, so rho = 2.145966; deviations 1, 2 and the root of 5."""
-    assert written(PLANE, "ellipsoid", tmp_path, ".json") == expected(
-        """
+    assert written(PLANE, "ellipsoid", tmp_path, ".json") == expected("""
         ellipsoid, restriction
         max x[x1] + 3 x[x2] - norm-1[0]
         constraint[1]: x[x1] - x[x2] >= -2
@@ -184,5 +176,4 @@ def test_ellipsoid_from_text_to_text(tmp_path: Path) -> None:
         norm-1: |(x[x1] + 1, 2 x[x2])| <= norm-1[0]
         -1 <= x[x1], x[x2] <= 6
         norm-1[0] >= 0
-        """
-    )
+    """)

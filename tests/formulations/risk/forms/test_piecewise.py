@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -8,8 +6,7 @@ from program_text import expected, written
 from risk_problems import around_a_box, margins, problem
 from scipy.special import ndtr, ndtri
 
-from waybound.api import solve
-from waybound.formulations.programs.exactness import Exactness
+from waybound import Exactness, solve
 from waybound.formulations.risk.forms import piecewise as module
 from waybound.formulations.risk.forms.piecewise import density, mean_risk, piecewise_program, points, tangents
 from waybound.formulations.stop import Stop
@@ -89,8 +86,7 @@ def test_tangents_from_text_to_text(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     deviations. The slope is the density there over 0.05, in which risks are counted, the constant the risk over 0.05 and slope times point.
     """
     monkeypatch.setattr(module, "POINTS", 3)
-    assert written(TWO, "tangents", tmp_path, ".json") == expected(
-        """
+    assert written(TWO, "tangents", tmp_path, ".json") == expected("""
         tangents, relaxation
         max x[x1] + 3 x[x2]
         constraint[1]: x[x1] + x[x2] <= 7
@@ -108,8 +104,7 @@ def test_tangents_from_text_to_text(tmp_path: Path, monkeypatch: pytest.MonkeyPa
         z[2] >= 1.64485
         0 <= risk[1] <= 2
         0 <= risk[2] <= 1
-        """
-    )
+    """)
 
 
 @pytest.mark.parametrize(
@@ -148,8 +143,7 @@ def test_secants_from_text_to_text(tmp_path: Path, monkeypatch: pytest.MonkeyPat
     A row that need not hold has the slack 3 + 5.730729 s + 1: 5.146146 where s = 0.2, 6.865365 where s = 0.5.
     """
     monkeypatch.setattr(module, "POINTS", 3)
-    assert written(CORNER, "secants", tmp_path, ".json") == expected(
-        """
+    assert written(CORNER, "secants", tmp_path, ".json") == expected("""
         secants, restriction
         min - x[x1] - 2 x[x2]
         choose[corner]: choice[corner,0] + choice[corner,1] >= 1
@@ -168,5 +162,4 @@ def test_secants_from_text_to_text(tmp_path: Path, monkeypatch: pytest.MonkeyPat
         1.28155 <= z[corner] <= 5.73073
         z[wall] >= 1.28155
         1e-07 <= risk[corner], risk[wall] <= 2
-        """
-    )
+    """)

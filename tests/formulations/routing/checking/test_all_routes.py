@@ -1,7 +1,3 @@
-"""The proof of all routes of a few customers, by their orders and by sets of them."""
-
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -11,11 +7,9 @@ from small_routing import FEATURES, WHOLE_FAMILY, at_risk, excludes, few, small,
 from truth.routing import best_values
 
 import waybound as wb
-from waybound.formulations.evidence import Evidence
+from waybound import Evidence, LatestReturn, LongestRoute, Makespan, Objective, RoutingProblem, TotalCost, TotalDuration, Vehicles
 from waybound.formulations.routing.checking import all_routes
 from waybound.formulations.routing.checking.all_routes import MOST_ORDERS, check_all_routes, orders, put_together
-from waybound.formulations.routing.objective import LatestReturn, LongestRoute, Makespan, Objective, TotalCost, TotalDuration, Vehicles
-from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Stop, until
 from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel

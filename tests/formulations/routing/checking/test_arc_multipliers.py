@@ -1,21 +1,13 @@
-"""Lagrangian bounds from arc multipliers never exceed the optimum, and good ones come close to it."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from scipy.optimize import linprog
 
+from waybound import InputError, Makespan, RoutingProblem, Sites, VehicleType
 from waybound.formulations.routing.checking.arc_multipliers import PRICED, check_arc_multipliers
-from waybound.formulations.routing.objective import Makespan
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.errors import InputError
-from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
 SEEDS = st.integers(0, 10**6)

@@ -1,7 +1,3 @@
-"""Least routes through sets, and least ways to divide them, against enumeration."""
-
-from __future__ import annotations
-
 import itertools
 import math
 

@@ -1,7 +1,5 @@
 """Routes through each set of customers bound every problem of the family; the truth is another enumeration's."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -12,15 +10,12 @@ from small_routing import WHOLE_FAMILY, excludes, few, small, varied
 from truth.routing import best_values
 
 import waybound as wb
+from waybound import Energy, Group, InputError, RoutingProblem, Shipment, Sites, VehicleType
 from waybound.formulations.routing.checking import customer_sets
 from waybound.formulations.routing.checking.customer_sets import check_customer_sets
 from waybound.formulations.routing.objective import LongestRoute, Makespan, Penalties, Reward, TotalCost, Weighted
-from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Stop, until
-from waybound.instances.errors import InputError
-from waybound.instances.routing.instance import Group, Shipment, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.instances.routing.vehicle_type import Energy
 
 EXACT = (
     "capacity", "max-distance", "travel", "limited-fleet", "heterogeneous-fleet", "fixed-cost", "multiple-depots", "open-routes",

@@ -1,19 +1,12 @@
-"""Cuts never exclude the optimum, whatever the prices and sets, and prove what no price of visits alone can."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
 from small_routing import FEATURES, WHOLE_FAMILY, drawn, enumerated, excludes
 
+from waybound import InputError, Reward, RoutingProblem, Sites, TotalCost, VehicleType
 from waybound.formulations.routing.checking.cut_multipliers import check_cut_multipliers
 from waybound.formulations.routing.checking.known_features import RESOURCES
-from waybound.formulations.routing.objective import Reward, TotalCost
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.errors import InputError
-from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
 

@@ -1,7 +1,3 @@
-"""The chord of the deviation: never beyond the optimum, the same in any unit of time, and whatever its evidence says."""
-
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from functools import partial
@@ -10,20 +6,15 @@ import numpy as np
 import pytest
 from draws import draws
 from hostile_instances import Units, routing_at_risk
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from small_routing import LINE, at_risk
 from truth.routing import RoutingTruth
 
-from waybound.formulations.evidence import Evidence
+from waybound import Energy, Evidence, InputError, Makespan, Objective, RoutingProblem, Sites, TotalCost, UsageError, VehicleType
 from waybound.formulations.routing.checking.deviation_chord import KIND, check_deviation_chord, lacks_chord, without_risks
-from waybound.formulations.routing.objective import Makespan, Objective, TotalCost
 from waybound.formulations.routing.overrun import quantile
-from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.verified_bounds import verified_bound
-from waybound.instances.errors import InputError, UsageError
 from waybound.instances.routing.features import RISKS
-from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.reports.benchmarks.routing_variants import risky
 

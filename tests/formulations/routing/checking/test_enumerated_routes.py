@@ -1,22 +1,16 @@
-"""Trees over all routes below a reduced cost: whatever they say, no more than the optimum is proved."""
-
-from __future__ import annotations
-
 import itertools
 from typing import Any
 
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from small_routing import small
 from truth.routing import best_values, routes
 
+from waybound import InputError, RoutingProblem
 from waybound.formulations.routing.checking import enumerated_routes
 from waybound.formulations.routing.checking.enumerated_routes import check_enumerated_routes
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.errors import InputError
 
 FEATURES = ("capacity", "time-windows", "service-times", "max-distance", "limited-fleet", "fixed-cost", "open-routes")
 

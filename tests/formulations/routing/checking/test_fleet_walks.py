@@ -1,7 +1,3 @@
-"""Walks of each type apart: never beyond the optimum whatever is left out, stated or priced, and what all routes one by one prove."""
-
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Sequence
@@ -11,21 +7,18 @@ from typing import Any
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from routing_answers import Answers, best_of, drawn_evidence, drawn_statement, grown, partition
 from small_routing import FEATURES, WHOLE_FAMILY, drawn
 from truth.routing import Roads, RoutingTruth, best_values
 
+from waybound import Evidence, Makespan, Objective, Penalties, Reward, RoutingProblem, TotalCost, TotalDuration, Vehicles
 from waybound.formulations.checking.granularity import lift
-from waybound.formulations.evidence import Evidence
 from waybound.formulations.routing.checking.fleet_walks import Slot, cheapest, limiting, remembered
 from waybound.formulations.routing.checking.relaxation import customers_moves
 from waybound.formulations.routing.checking.set_partitioning_duals import check_set_partitioning_duals
 from waybound.formulations.routing.checking.told_visits import told_visits
 from waybound.formulations.routing.checking.vehicle_moves import VehicleMoves, relaxed_terms, value_grain
-from waybound.formulations.routing.objective import Makespan, Objective, Penalties, Reward, TotalCost, TotalDuration, Vehicles
-from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.routing.instance import Group, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel

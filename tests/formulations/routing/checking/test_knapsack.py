@@ -1,7 +1,3 @@
-"""The knapsack bound of rewards never excludes the optimum, and is the fractional knapsack at the critical ratio."""
-
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -9,12 +5,9 @@ import numpy as np
 import pytest
 from small_routing import WHOLE_FAMILY, drawn, excludes
 
+from waybound import InputError, Makespan, Objective, Penalties, Reward, RoutingProblem, Sites, TotalCost, VehicleType
 from waybound.formulations.routing.checking.knapsack import check_knapsack
 from waybound.formulations.routing.checking.known_features import RESOURCES
-from waybound.formulations.routing.objective import Makespan, Objective, Penalties, Reward, TotalCost
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.errors import InputError
-from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
 GOALS = (Reward(), TotalCost() - Reward(), TotalCost() + Penalties(), Reward() - 0.25 * Makespan())

@@ -1,27 +1,19 @@
-"""Features that the checkers know, and problems without stops on the way."""
-
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from coded import coded
 from small_routing import WHOLE_FAMILY, few, plane, varied
 from truth.routing import RoutingTruth, best_values
 
-from waybound.formulations.evidence import CHECKERS, Evidence
+from waybound import Energy, Objective, TotalCost, Vehicles, VehicleType
+from waybound.formulations.evidence import Evidence
 from waybound.formulations.routing.checking.known_features import KNOWN, unknown_features, without_stops
 from waybound.formulations.routing.fleet_need import infeasible_bound
-from waybound.formulations.routing.objective import Objective, TotalCost, Vehicles
 from waybound.formulations.stop import Stop
 from waybound.formulations.verified_bounds import verified_bound
-from waybound.instances.errors import InputError
 from waybound.instances.routing.features import FEATURES
-from waybound.instances.routing.instance import Energy, VehicleType
 from waybound.solvers.bounds import BOUNDS
 
 INFEASIBLE = (
@@ -156,9 +148,3 @@ def test_moves_lead_over_the_depots_of_the_vehicle():
     assert first.travel is not None
     assert (first.travel.distances == np.minimum(d, d[:, :1] + d[:1])).all()
     assert (second.travel.distances == d).all()
-
-
-@pytest.mark.parametrize("kind", [kind for kind in CHECKERS if CHECKERS[kind].__module__.startswith("waybound.formulations.routing")])
-def test_other_families_are_refused(kind: str) -> None:
-    with pytest.raises(InputError, check=coded("foreign")):
-        CHECKERS[kind](SimpleNamespace(family="arrays"), {})

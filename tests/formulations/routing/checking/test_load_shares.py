@@ -1,7 +1,3 @@
-"""What each customer pays of the routes: shares of loads, and the nearest moves, by coordinates as by matrices."""
-
-from __future__ import annotations
-
 import math
 import tracemalloc
 from dataclasses import replace
@@ -11,8 +7,8 @@ import pytest
 from small_routing import WHOLE_FAMILY, drawn, enumerated, excludes, plane
 from truth.routing import best_values
 
+from waybound import Evidence, InputError, LatestReturn, RoutingProblem, Sites, VehicleType
 from waybound.formulations.arrays.problem import ArrayProblem
-from waybound.formulations.evidence import Evidence
 from waybound.formulations.routing.checking.load_shares import (
     by_coordinates,
     check_load_shares,
@@ -21,21 +17,8 @@ from waybound.formulations.routing.checking.load_shares import (
     least_round_trips,
 )
 from waybound.formulations.routing.checking.vehicle_moves import terms_of
-from waybound.formulations.routing.objective import (
-    Composable,
-    LatestReturn,
-    Makespan,
-    Objective,
-    Penalties,
-    Reward,
-    TotalCost,
-    TotalDuration,
-    Vehicles,
-)
-from waybound.formulations.routing.problem import RoutingProblem
+from waybound.formulations.routing.objective import Composable, Makespan, Objective, Penalties, Reward, TotalCost, TotalDuration, Vehicles
 from waybound.formulations.verified_bounds import verified_bound
-from waybound.instances.errors import InputError
-from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, METRICS, Travel
 
 METRIC = [name for name in METRICS if name != "GEO"]

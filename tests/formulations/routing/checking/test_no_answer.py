@@ -1,23 +1,18 @@
 """Proofs that there is no answer hold only where there is none; and the vehicles that loads need."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from small_routing import WHOLE_FAMILY, excludes, few, plane, varied
 
+from waybound import InputError, Makespan, Objective, Reward, RoutingProblem, TotalCost, Vehicles
 from waybound.formulations.evidence import CHECKERS
 from waybound.formulations.routing.checking import no_answer as checks
 from waybound.formulations.routing.checking.no_answer import check_infeasible_site, check_too_few_vehicles, check_vehicles_needed
-from waybound.formulations.routing.objective import Makespan, Objective, Reward, TotalCost, Vehicles
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.errors import InputError
 from waybound.instances.routing.instance import ENERGY_CHARGES, Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 

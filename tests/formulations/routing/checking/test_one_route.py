@@ -1,7 +1,3 @@
-"""Sets that a route serves, with anybody in between, are never said to be beyond one; prices of any sets prove no more than is true."""
-
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace

@@ -1,7 +1,3 @@
-"""The relaxation holds every answer: its arcs, its costs, its numbers of routes."""
-
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace
@@ -9,16 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
-from waybound.formulations.evidence import Evidence
+from waybound import Evidence, Route, Routes, RoutingProblem, Sites, VehicleType
 from waybound.formulations.routing.checking.relaxation import carried_loads, fewest_carriers, needed_moves, relax
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Route, Routes
 from waybound.formulations.tolerance import LIMIT
 from waybound.formulations.verified_bounds import verified_bound
-from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
 

@@ -1,7 +1,3 @@
-"""The largest of all routes: the farthest round trip, and the mean of all."""
-
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -9,11 +5,8 @@ import numpy as np
 import pytest
 from small_routing import WHOLE_FAMILY, enumerated, excludes, few, varied
 
+from waybound import InputError, LatestReturn, LongestRoute, Makespan, Objective, RoutingProblem, Sites, TotalCost, VehicleType
 from waybound.formulations.routing.checking.round_trips import check_averaged_tour, check_farthest_round_trip, totals
-from waybound.formulations.routing.objective import LatestReturn, LongestRoute, Makespan, Objective, TotalCost
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.errors import InputError
-from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
 TERMS = {"makespan": Makespan(), "longest-route": LongestRoute(), "latest-return": LatestReturn()}

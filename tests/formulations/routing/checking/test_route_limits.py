@@ -1,7 +1,3 @@
-"""What one vehicle may be able to do: never less than what a route that is tried out does, and by hand what the limits are."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -12,6 +8,7 @@ from hypothesis import given, settings
 from oracles import routing, small_problems
 from truth.routing import routes
 
+from waybound import Energy, InputError, RoutingProblem
 from waybound.formulations.routing.checking.route_limits import (
     LARGEST_RATE,
     allowed,
@@ -22,9 +19,6 @@ from waybound.formulations.routing.checking.route_limits import (
     summable,
     within_reach,
 )
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.errors import InputError
-from waybound.instances.routing.instance import Energy
 
 LINE = np.array([(0, 0), (1, 0), (2, 0), (5, 0)], dtype=float)
 

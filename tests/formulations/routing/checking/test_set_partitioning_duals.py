@@ -1,7 +1,3 @@
-"""Bounds from prices of visits: never above the optimum, and exactly what the cheapest route leaves, found by trying all of them."""
-
-from __future__ import annotations
-
 import itertools
 import math
 import threading
@@ -12,20 +8,16 @@ from typing import Any
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from patience import HANG
 from small_routing import small
 from truth.routing import best_values, routes
 
+from waybound import InputError, Makespan, Objective, RoutingProblem, Sites, Vehicles, VehicleType
 from waybound.formulations.routing.checking import set_partitioning_duals
 from waybound.formulations.routing.checking.relaxation import relax
 from waybound.formulations.routing.checking.set_partitioning_duals import check_set_partitioning_duals
-from waybound.formulations.routing.objective import Makespan, Objective, Vehicles
-from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import Stop, until
-from waybound.instances.errors import InputError
-from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
 SEEDS = st.integers(0, 10**6)

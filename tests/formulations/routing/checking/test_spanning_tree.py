@@ -1,19 +1,14 @@
 """Spanning-tree bounds never exceed the optimum, and reach it where a tree is all that matters."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
+from waybound import InputError, RoutingProblem, Sites, VehicleType
 from waybound.formulations.routing.checking.spanning_tree import check_spanning_tree
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.errors import InputError
-from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
 SEEDS = st.integers(0, 10**6)

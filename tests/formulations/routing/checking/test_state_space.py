@@ -1,7 +1,5 @@
 """State-space bounds never exclude the optimum, whatever the prices, the resource and the step, and reach it where walks are routes."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -9,12 +7,9 @@ import numpy as np
 import pytest
 from small_routing import FEATURES, WHOLE_FAMILY, drawn, enumerated, excludes, plane
 
+from waybound import InputError, Makespan, Objective, Reward, RoutingProblem, Sites, TotalCost, Vehicles, VehicleType
 from waybound.formulations.routing.checking import state_space
 from waybound.formulations.routing.checking.state_space import COUNTED, check_state_space
-from waybound.formulations.routing.objective import Makespan, Objective, Reward, TotalCost, Vehicles
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.errors import InputError
-from waybound.instances.routing.instance import Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
 

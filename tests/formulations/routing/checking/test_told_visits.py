@@ -1,16 +1,11 @@
-"""Who is surely visited, and who is not, follows from requirements, needed moves and alternatives."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from waybound import Group, RoutingProblem, Sites, VehicleType
 from waybound.formulations.routing.checking.told_visits import says_more, told_visits
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.routing.instance import Group, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
 

@@ -1,7 +1,3 @@
-"""Each type of vehicle has moves, costs and limits of its own."""
-
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -9,10 +5,8 @@ import numpy as np
 import pytest
 from small_routing import plane
 
+from waybound import Group, Makespan, Objective, Penalties, Reward, RoutingProblem, Sites, TotalCost, TotalDuration, Vehicles, VehicleType
 from waybound.formulations.routing.checking.vehicle_moves import VehicleMoves, alike, terms_of, worth_of_visits
-from waybound.formulations.routing.objective import Makespan, Objective, Penalties, Reward, TotalCost, TotalDuration, Vehicles
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.routing.instance import Group, Sites, VehicleType
 from waybound.instances.routing.travel import Travel
 
 

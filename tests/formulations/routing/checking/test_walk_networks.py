@@ -1,15 +1,10 @@
-"""Whole levels keep what is allowed, and networks hold what they are made of."""
-
-from __future__ import annotations
-
 import itertools
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from waybound.formulations.routing.checking import walk_networks
 from waybound.formulations.routing.checking.relaxation import Resource

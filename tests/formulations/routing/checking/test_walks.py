@@ -1,7 +1,3 @@
-"""Walks in whole numbers: the least that labels find is that of all walks, tried one by one."""
-
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator
@@ -11,8 +7,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from waybound.formulations.routing.checking import walk_networks, walks
 from waybound.formulations.routing.checking.relaxation import Resource

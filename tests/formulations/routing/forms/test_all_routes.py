@@ -1,7 +1,3 @@
-"""All routes of small problems, against those of brute force."""
-
-from __future__ import annotations
-
 import pytest
 from small_routing import WHOLE_FAMILY, varied
 from truth.routing import Roads

@@ -1,7 +1,3 @@
-"""The best orders of each set of sites are those that walking every order finds."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 
@@ -10,13 +6,11 @@ import pytest
 from small_routing import FEATURES, WHOLE_FAMILY, small, varied
 
 import waybound as wb
+from waybound import Energy, Objective, Reward, RoutingProblem, Sites, TotalCost, VehicleType
 from waybound.formulations.programs.size import TooLargeError
 from waybound.formulations.routing.forms import _best_orders
 from waybound.formulations.routing.forms._all_routes import MOST_ROUTES, Priced, Walk, orders_of_stops
 from waybound.formulations.routing.forms._best_orders import MOST_SITES, adds_up, best_orders
-from waybound.formulations.routing.objective import Objective, Reward, TotalCost
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
 

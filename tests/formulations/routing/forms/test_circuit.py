@@ -1,7 +1,3 @@
-"""The circuit form: what it writes, and that it is enough."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 from pathlib import Path
 
@@ -12,18 +8,15 @@ from program_text import TWO_SITES, expected, written
 from small_routing import varied
 
 import waybound as wb
+from waybound import RoutingProblem, UnsupportedError, UsageError, VehicleType
 from waybound.formulations.programs.program import CIRCUITS, INTEGERS
 from waybound.formulations.routing.forms.circuit import arcs_say_enough
 from waybound.formulations.routing.objective import Composable, Objective, Reward, TotalCost, Vehicles
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.errors import UnsupportedError, UsageError
-from waybound.instances.routing.instance import VehicleType
 
 
 def test_circuit_from_text_to_text(tmp_path: Path) -> None:
     """One column an arc, since vehicles are alike. Node 0 is start and end, 1 is a, 2 is b; nobody is at a by 9 after b."""
-    assert written(TWO_SITES, "circuit", tmp_path) == expected(
-        """
+    assert written(TWO_SITES, "circuit", tmp_path) == expected("""
         circuit, exact
         min 3 x[o,a] + 5 x[o,b] + 4 x[a,b] + 3 x[a,o] + 5 x[b,o]
         fleet: 1 <= x[o,a] + x[o,b] <= 2
@@ -43,8 +36,7 @@ def test_circuit_from_text_to_text(tmp_path: Path) -> None:
         2 <= load[a] <= 4
         1 <= load[b] <= 4
         5 <= distance[b] <= 7
-        """
-    )
+    """)
 
 
 OPTIONAL = """
@@ -59,8 +51,7 @@ OPTIONAL = """
 
 def test_one_circuit_a_vehicle_where_sites_may_be_left_out_or_durations_count(tmp_path: Path) -> None:
     """Of the order of arcs no row is left; a is on the circuit or has its loop, and an idle vehicle drives from 0 to 3 and back."""
-    assert written(OPTIONAL, "circuit", tmp_path) == expected(
-        """
+    assert written(OPTIONAL, "circuit", tmp_path) == expected("""
         circuit, exact
         min 3 x[o,a,1] + 5 x[o,b,1] + 4 x[a,b,1] + 3 x[a,o,1] + 4 x[b,a,1] + 5 x[b,o,1]
         visit[a]: 0 <= x[a,b,1] + x[a,o,1] <= 1
@@ -81,8 +72,7 @@ def test_one_circuit_a_vehicle_where_sites_may_be_left_out_or_durations_count(tm
         5 <= t[b,1] <= 16
         0 <= return[1] <= 21
         back[1] = 1 integer
-        """
-    )
+    """)
 
 
 @settings(max_examples=15, deadline=None)

@@ -1,7 +1,3 @@
-"""Groups, shipments, several windows and copies of depots: the rows that the three-index form writes."""
-
-from __future__ import annotations
-
 import numpy as np
 from oracles import agrees, routing
 from program_text import lines_of

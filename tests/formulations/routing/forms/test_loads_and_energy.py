@@ -1,14 +1,11 @@
 """Loads that rise and fall, and residual energy: the rows that the three-index form writes, and the cases they are known for."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from oracles import agrees, optimum, routing
 from program_text import lines_of
 
-from waybound.formulations.routing.objective import Makespan
-from waybound.instances.routing.instance import Energy, Shipment, VehicleType
+from waybound import Energy, Makespan, Shipment, VehicleType
 
 LINE = np.array([(0, 0), (1, 0), (2, 0)], dtype=float)
 

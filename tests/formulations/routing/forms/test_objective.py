@@ -1,15 +1,10 @@
-"""Maxima, durations and overtime in the three-index form."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from oracles import GAP_5, OCTO_8, SQUARE_4, TW_4, agrees, optimum, routing, solved
 from program_text import lines_of
 
+from waybound import LatestReturn, LongestRoute, Makespan, Reward, TotalCost, TotalDuration, VehicleType
 from waybound.formulations.forms import FORMS
-from waybound.formulations.routing.objective import LatestReturn, LongestRoute, Makespan, Reward, TotalCost, TotalDuration
-from waybound.instances.routing.instance import VehicleType
 
 LINE = np.array([(0, 0), (3, 0)], dtype=float)
 

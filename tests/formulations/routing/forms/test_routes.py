@@ -1,7 +1,3 @@
-"""Programs block after block, levels of priority, and the way from arcs to routes."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 
@@ -11,22 +7,10 @@ from oracles import SQUARE_4, routing
 from small_routing import varied
 from truth.routing import RoutingTruth
 
+from waybound import InputError, LatestReturn, LongestRoute, Route
 from waybound.formulations.routing.forms._routes import ArcIndex, levels, routes_of, used
-from waybound.formulations.routing.objective import (
-    Composable,
-    LatestReturn,
-    LongestRoute,
-    Makespan,
-    Objective,
-    Penalties,
-    Reward,
-    TotalCost,
-    TotalDuration,
-    Vehicles,
-)
+from waybound.formulations.routing.objective import Composable, Makespan, Objective, Penalties, Reward, TotalCost, TotalDuration, Vehicles
 from waybound.formulations.routing.preparation import Preparation, Resource, prepare
-from waybound.formulations.routing.routes import Route
-from waybound.instances.errors import InputError
 
 NAMES = list("oabcd")
 

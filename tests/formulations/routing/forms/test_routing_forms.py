@@ -1,7 +1,3 @@
-"""Every routing form against brute force and reference values: same optimum, same verdict on feasibility, answers that pass the judge."""
-
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace
@@ -29,14 +25,10 @@ from oracles import (
 )
 from small_routing import WHOLE_FAMILY, varied
 
+from waybound import Energy, Exactness, LongestRoute, Makespan, Objective, Reward, Routes, RoutingProblem, TotalCost, Vehicles
 from waybound.formulations.forms import FORMS
-from waybound.formulations.programs.exactness import Exactness
-from waybound.formulations.routing.objective import LongestRoute, Makespan, Objective, Reward, TotalCost, Vehicles
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Routes
 from waybound.instances.errors import InputError, UnsupportedError
 from waybound.instances.routing.features import RISKS
-from waybound.instances.routing.instance import Energy
 
 DRAWN = settings(max_examples=draws(40), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 PLACES: dict[str, dict[str, Any]] = {

@@ -1,7 +1,3 @@
-"""Set partitioning: what it writes, which routes it keeps, and programs over given routes."""
-
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -13,19 +9,14 @@ from oracles import GAP_5, SQUARE_4, agrees, optimum, routing, set_partitioning_
 from program_text import TWO_SITES, expected, program_text, written
 from small_routing import at_risk
 
+from waybound import Exactness, InputError, LatestReturn, LongestRoute, Makespan, Reward, Route, Routes, TotalCost, VehicleType
 from waybound.formulations.forms import FORMS
-from waybound.formulations.programs.exactness import Exactness
 from waybound.formulations.routing.forms.set_partitioning import over
-from waybound.formulations.routing.objective import LatestReturn, LongestRoute, Makespan, Reward, TotalCost
-from waybound.formulations.routing.routes import Route, Routes
-from waybound.instances.errors import InputError
-from waybound.instances.routing.instance import VehicleType
 
 
 def test_set_partitioning_from_text_to_text(tmp_path: Path) -> None:
     """b before a reaches a after 9: of both together there is one route."""
-    assert written(TWO_SITES, "set-partitioning", tmp_path) == expected(
-        """
+    assert written(TWO_SITES, "set-partitioning", tmp_path) == expected("""
         set-partitioning, exact
         min 6 y[a] + 12 y[a-b] + 10 y[b]
         visit[a]: y[a] + y[a-b] = 1
@@ -33,8 +24,7 @@ def test_set_partitioning_from_text_to_text(tmp_path: Path) -> None:
         vehicles[vehicle]: y[a] + y[a-b] + y[b] <= 2
         fleet: y[a] + y[a-b] + y[b] >= 1
         y[a], y[a-b], y[b] binary
-        """
-    )
+    """)
 
 
 def test_a_maximum_has_a_row_a_site_and_one_for_each_way_straight_home() -> None:

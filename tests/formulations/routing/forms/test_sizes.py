@@ -1,7 +1,5 @@
 """Sizes of routing forms, from lists of sites; every form is held against what is built in ``tests/conformance/test_form_sizes.py``."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -9,11 +7,10 @@ import pytest
 from small_routing import plane
 
 import waybound as wb
+from waybound import Travel, VehicleType
 from waybound.formulations.forms import FORMS
 from waybound.formulations.routing.forms._sizes import moves, resources
 from waybound.formulations.routing.preparation import prepare
-from waybound.instances.routing.instance import VehicleType
-from waybound.instances.routing.travel import Travel
 
 
 def test_windows_and_loads_leave_fewer_moves_and_never_fewer_than_there_are() -> None:

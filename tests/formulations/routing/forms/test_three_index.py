@@ -1,7 +1,3 @@
-"""The three-index form: what it writes, row by row, and what it alone can express."""
-
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -14,8 +10,7 @@ from waybound.instances.routing.instance import Energy, VehicleType
 
 def test_three_index_from_text_to_text(tmp_path: Path) -> None:
     """Nobody is at a by 9 after b (5 + 2 + 4): that move is dropped. Who begins at b by 9 is home by 16. Vehicle 2 leaves a to 1."""
-    assert written(TWO_SITES, "three-index", tmp_path) == expected(
-        """
+    assert written(TWO_SITES, "three-index", tmp_path) == expected("""
         three-index, exact
         min 3 x[o,a,1] + 3 x[o,a,2] + 5 x[o,b,1] + 5 x[o,b,2] + 4 x[a,b,1] + 4 x[a,b,2] + 3 x[a,o,1] + 3 x[a,o,2] + 5 x[b,o,1] +
             5 x[b,o,2]
@@ -48,8 +43,7 @@ def test_three_index_from_text_to_text(tmp_path: Path) -> None:
         3 <= t[a,1], t[a,2] <= 9
         5 <= t[b,1], t[b,2] <= 9
         7 <= return[1], return[2] <= 16
-        """
-    )
+    """)
 
 
 @pytest.mark.parametrize(

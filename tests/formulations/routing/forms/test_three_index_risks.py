@@ -1,7 +1,3 @@
-"""Three-index forms with uncertain durations: cones, tangents and chords."""
-
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace
@@ -11,21 +7,15 @@ from typing import Any
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 from oracles import agrees, routing
 from program_text import expected, written
 from small_routing import LINE, at_risk, varied
 from truth.routing import RoutingTruth
 
-from waybound.formulations.programs.exactness import Exactness
+from waybound import Energy, Exactness, Objective, Routes, RoutingProblem, Sites, TotalCost, UnsupportedError, VehicleType
 from waybound.formulations.routing.forms import three_index_risks
-from waybound.formulations.routing.objective import Objective, TotalCost
 from waybound.formulations.routing.overrun import quantile
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Routes
-from waybound.instances.errors import UnsupportedError
-from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.reports.benchmarks.routing_variants import risky
 from waybound.solvers.backend import BACKENDS, Control, Options, solver_named
@@ -143,8 +133,7 @@ def test_three_index_cones_from_text_to_text(tmp_path: Path) -> None:
 
     All is over by 17: the longest ways out of o, a and b take 5, 2 + 4 and 1 + 5.
     """
-    assert written(TWO_SITES, "three-index-cones", tmp_path, ".json") == expected(
-        """
+    assert written(TWO_SITES, "three-index-cones", tmp_path, ".json") == expected("""
         three-index-cones, exact
         min 3 x[o,a,1] + 5 x[o,b,1] + 4 x[a,b,1] + 3 x[a,o,1] + 4 x[b,a,1] + 5 x[b,o,1]
         visit[a]: x[a,b,1] + x[a,o,1] = 1
@@ -170,8 +159,7 @@ def test_three_index_cones_from_text_to_text(tmp_path: Path) -> None:
         5 <= t[b,1] <= 11
         0 <= return[1] <= 17
         0 <= deviation[1] <= 5.09902
-        """
-    )
+    """)
 
 
 CHORDS, TANGENTS = "three-index-chords", "three-index-tangents"

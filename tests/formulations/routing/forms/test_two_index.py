@@ -1,7 +1,5 @@
 """Two-index forms: what they write, row by row, duals as evidence, and the real files."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -15,14 +13,10 @@ from oracles import SQUARE_4, TW_4, TWO_INDEX, agrees, optimum, routing, small_p
 from program_text import expected, program_text, written
 from small_routing import WHOLE_FAMILY, varied
 
+from waybound import Energy, Group, InputError, Objective, Penalties, Program, Reward, RoutingProblem, TotalCost, TotalDuration
 from waybound.formulations.problem import problem_from_instance
-from waybound.formulations.programs.program import Program
-from waybound.formulations.routing.objective import Objective, Penalties, Reward, TotalCost, TotalDuration
-from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.verified_bounds import verified_bound
-from waybound.instances.errors import InputError
 from waybound.instances.reading import read_instance
-from waybound.instances.routing.instance import Energy, Group
 
 TWO_SITES = """
     # vehicles: 2
@@ -36,8 +30,7 @@ TWO_SITES = """
 
 
 def test_two_index_mtz_from_text_to_text(tmp_path: Path) -> None:
-    assert written(TWO_SITES, "two-index-mtz", tmp_path) == expected(
-        """
+    assert written(TWO_SITES, "two-index-mtz", tmp_path) == expected("""
         two-index-mtz, exact
         min 3 x[o,a] + 5 x[o,b] + 4 x[a,b] + 3 x[a,o] + 4 x[b,a] + 5 x[b,o]
         visit-out[a]: x[a,b] + x[a,o] = 1
@@ -62,14 +55,12 @@ def test_two_index_mtz_from_text_to_text(tmp_path: Path) -> None:
         5 <= time[b] <= 9
         2 <= load[a] <= 4
         1 <= load[b] <= 4
-        """
-    )
+    """)
 
 
 def test_two_index_load_flow_from_text_to_text(tmp_path: Path) -> None:
     """Times as levels of nodes, loads as flows beyond the least load of their tail."""
-    assert written(TWO_SITES, "two-index-load-flow", tmp_path) == expected(
-        """
+    assert written(TWO_SITES, "two-index-load-flow", tmp_path) == expected("""
         two-index-load-flow, exact
         min 3 x[o,a] + 5 x[o,b] + 4 x[a,b] + 3 x[a,o] + 4 x[b,a] + 5 x[b,o]
         visit-out[a]: x[a,b] + x[a,o] = 1
@@ -95,13 +86,11 @@ def test_two_index_load_flow_from_text_to_text(tmp_path: Path) -> None:
         0 <= load-flow[a,b], load-flow[b,a] <= 1
         0 <= load-flow[a,o] <= 2
         0 <= load-flow[b,o] <= 3
-        """
-    )
+    """)
 
 
 def test_two_index_time_flow_from_text_to_text(tmp_path: Path) -> None:
-    assert written(TWO_SITES, "two-index-time-flow", tmp_path) == expected(
-        """
+    assert written(TWO_SITES, "two-index-time-flow", tmp_path) == expected("""
         two-index-time-flow, exact
         min 3 x[o,a] + 5 x[o,b] + 4 x[a,b] + 3 x[a,o] + 4 x[b,a] + 5 x[b,o]
         visit-out[a]: x[a,b] + x[a,o] = 1
@@ -127,14 +116,12 @@ def test_two_index_time_flow_from_text_to_text(tmp_path: Path) -> None:
         0 <= time-flow[b,o] <= 4
         0 <= load-flow[a,o] <= 2
         0 <= load-flow[b,o] <= 3
-        """
-    )
+    """)
 
 
 def test_two_index_unit_flow_from_text_to_text(tmp_path: Path) -> None:
     """Times and loads as levels of nodes, and how many were visited as a flow beyond the least of its tail: 1 of 2 on the way between."""
-    assert written(TWO_SITES, "two-index-unit-flow", tmp_path) == expected(
-        """
+    assert written(TWO_SITES, "two-index-unit-flow", tmp_path) == expected("""
         two-index-unit-flow, exact
         min 3 x[o,a] + 5 x[o,b] + 4 x[a,b] + 3 x[a,o] + 4 x[b,a] + 5 x[b,o]
         visit-out[a]: x[a,b] + x[a,o] = 1
@@ -167,8 +154,7 @@ def test_two_index_unit_flow_from_text_to_text(tmp_path: Path) -> None:
         1 <= load[b] <= 4
         order-flow[a,b], order-flow[b,a] = 0
         0 <= order-flow[a,o], order-flow[b,o] <= 1
-        """
-    )
+    """)
 
 
 def test_optional_sites_have_a_row_of_flow_in_place_of_a_visit(tmp_path: Path) -> None:

@@ -1,7 +1,3 @@
-"""Columns and rows of the three-index form."""
-
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -10,10 +6,8 @@ import pytest
 from oracles import SQUARE_4, agrees, optimum, routing
 from program_text import program_text
 
+from waybound import Energy, Makespan, RoutingProblem, Sites, TotalCost, VehicleType
 from waybound.formulations.routing.forms._vehicles import vehicle_columns
-from waybound.formulations.routing.objective import Makespan, TotalCost
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.routing.instance import Energy, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
 LINE = np.array([(0, 0), (1, 0), (2, 0), (5, 0)], dtype=float)

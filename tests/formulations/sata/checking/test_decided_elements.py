@@ -1,7 +1,3 @@
-"""Evidence on problems with decided elements never proves more than the best answer that keeps to the decisions."""
-
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,3 @@
-"""Prices of items: whatever they are, the bound that they prove holds for every answer that passes the check."""
-
-from __future__ import annotations
-
 import math
 from fractions import Fraction
 
@@ -9,8 +5,7 @@ import numpy as np
 import pytest
 from coded import coded
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from selection_problems import CONSTRAINTS, cover_30, half_tight, optimum, random_problem
 
 from waybound import Coverage, DenseFacilityLocation, InputError, MaxMinLP, Selection, SubmodularSelection

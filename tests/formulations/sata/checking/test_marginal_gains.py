@@ -1,14 +1,9 @@
-"""Marginal gains bound every feasible value, whatever set they are taken over."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
 from coded import coded
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from selection_problems import CONSTRAINTS, KINDS, cover_30, cover_tight, feasible_sets, optimum, random_problem
 
 from waybound import BottleneckSATA, Evidence, InputError, Selection, SensingGraph, SubmodularSelection

@@ -1,15 +1,10 @@
-"""Prices of packing and covering rows: whatever they are, the bound that they prove holds."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
 from coded import coded
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from sata_cases import best_value
 
 from waybound import BottleneckSATA, InputError, MaxMinLP

@@ -1,7 +1,5 @@
 """Weights of targets: the bound that they prove, by hand and against every selection; nonsense proves nothing."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The linear forms of a selection and the product form: what they write, row by row."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -25,8 +23,7 @@ ROBOTS = """
 
 def test_facility_location_from_text_to_text(tmp_path: Path) -> None:
     """Target t is served at level 2, by either of two actions, or at 5; u at 1 or at 3."""
-    assert written(ROBOTS, "facility-location", tmp_path) == expected(
-        """
+    assert written(ROBOTS, "facility-location", tmp_path) == expected("""
         facility-location, exact
         max 2 u[t,1] + 3 u[t,2] + u[u,1] + 2 u[u,2]
         robot[r]: x[left] + x[right] <= 1
@@ -37,8 +34,7 @@ def test_facility_location_from_text_to_text(tmp_path: Path) -> None:
         level[u,2]: - x[right] + u[u,2] <= 0
         x[left], x[right], x[stay] binary
         0 <= u[t,1], u[t,2], u[u,1], u[u,2] <= 1
-        """
-    )
+    """)
 
 
 def test_levels_are_the_different_weights_of_an_item():
@@ -59,8 +55,7 @@ def test_coverage_has_one_row_an_item():
 
 def test_strong_linearisation_from_text_to_text(tmp_path: Path) -> None:
     """All three actions that see t share one row of it."""
-    assert written(ROBOTS, "strong-linearisation", tmp_path) == expected(
-        """
+    assert written(ROBOTS, "strong-linearisation", tmp_path) == expected("""
         strong-linearisation, exact
         max 5 z[left,t] + 2 z[right,t] + 3 z[right,u] + 2 z[stay,t] + z[stay,u]
         robot[r]: x[left] + x[right] <= 1
@@ -74,14 +69,12 @@ def test_strong_linearisation_from_text_to_text(tmp_path: Path) -> None:
         link[stay,u]: - x[stay] + z[stay,u] <= 0
         x[left], x[right], x[stay] binary
         0 <= z[left,t], z[right,t], z[right,u], z[stay,t], z[stay,u] <= 1
-        """
-    )
+    """)
 
 
 def test_weak_linearisation_from_text_to_text(tmp_path: Path) -> None:
     """Both actions of r that see t draw on the one credit y[r,t], each in full: that is what makes the relaxation weak."""
-    assert written(ROBOTS, "weak-linearisation", tmp_path) == expected(
-        """
+    assert written(ROBOTS, "weak-linearisation", tmp_path) == expected("""
         weak-linearisation, exact
         max 5 z[left,t] + 2 z[right,t] + 3 z[right,u] + 2 z[stay,t] + z[stay,u]
         robot[r]: x[left] + x[right] <= 1
@@ -100,13 +93,11 @@ def test_weak_linearisation_from_text_to_text(tmp_path: Path) -> None:
         item[u]: y[r,u] + y[s,u] <= 1
         x[left], x[right], x[stay] binary
         0 <= y[r,t], y[r,u], y[s,t], y[s,u], z[left,t], z[right,t], z[right,u], z[stay,t], z[stay,u] <= 1
-        """
-    )
+    """)
 
 
 def test_product_from_text_to_text(tmp_path: Path) -> None:
-    assert written(ROBOTS, "product", tmp_path) == expected(
-        """
+    assert written(ROBOTS, "product", tmp_path) == expected("""
         product, exact
         max 5 x[left] y[r,t] + 2 x[right] y[r,t] + 3 x[right] y[r,u] + 2 x[stay] y[s,t] + x[stay] y[s,u]
         robot[r]: x[left] + x[right] <= 1
@@ -114,8 +105,7 @@ def test_product_from_text_to_text(tmp_path: Path) -> None:
         item[t]: y[r,t] + y[s,t] <= 1
         item[u]: y[r,u] + y[s,u] <= 1
         x[left], x[right], x[stay], y[r,t], y[r,u], y[s,t], y[s,u] binary
-        """
-    )
+    """)
 
 
 def test_the_product_form_has_no_linear_relaxation():

@@ -1,7 +1,3 @@
-"""The max-min form against enumeration and SciPy, with evidence from any interior or vertex duals."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded
@@ -249,23 +245,19 @@ MATRICES = """
 
 
 def test_w_stands_below_the_covering_rows_of_a_maximum_and_above_the_packing_rows_of_a_minimum(tmp_path):
-    assert written(MATRICES % "max", "max-min", tmp_path, ".json") == expected(
-        """
+    assert written(MATRICES % "max", "max-min", tmp_path, ".json") == expected("""
         max-min, exact
         max w
         packing[1]: x[a] + 2 x[b] <= 1
         covering[1]: 3 x[a] - w >= 0
         covering[2]: x[a] + 4 x[b] - w >= 0
         x[a], x[b], w >= 0
-        """
-    )
-    assert written(MATRICES % "min", "max-min", tmp_path, ".json") == expected(
-        """
+    """)
+    assert written(MATRICES % "min", "max-min", tmp_path, ".json") == expected("""
         max-min, exact
         min w
         packing[1]: x[a] + 2 x[b] - w <= 0
         covering[1]: 3 x[a] >= 1
         covering[2]: x[a] + 4 x[b] >= 1
         x[a], x[b], w >= 0
-        """
-    )
+    """)

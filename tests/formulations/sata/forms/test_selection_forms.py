@@ -1,7 +1,5 @@
 """The four forms of selection problems against enumeration, each other, and their files."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

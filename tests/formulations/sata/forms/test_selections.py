@@ -1,7 +1,5 @@
 """What the forms of selection share: the rows of each constraint, creditors, and the edges that serve an item best."""
 
-from __future__ import annotations
-
 import pickle
 from pathlib import Path
 
@@ -28,8 +26,7 @@ COVERAGE = """
 )
 def test_each_constraint_writes_its_own_rows_before_all_others(constraint: str, rows: list[str], tmp_path: Path) -> None:
     text = written(COVERAGE % constraint, "facility-location", tmp_path, ".json")
-    assert text == expected(
-        """
+    assert text == expected("""
         facility-location, exact
         max 4 u[1,1] + 3 u[2,1]
         %s
@@ -37,8 +34,7 @@ def test_each_constraint_writes_its_own_rows_before_all_others(constraint: str, 
         level[2,1]: - x[b] - x[c] + u[2,1] <= 0
         x[a], x[b], x[c] binary
         0 <= u[1,1], u[2,1] <= 1
-        """
-    ) % "\n".join(rows)
+    """) % "\n".join(rows)
 
 
 def test_creditors_are_groups_of_one_choice_and_else_single_elements(tmp_path: Path) -> None:

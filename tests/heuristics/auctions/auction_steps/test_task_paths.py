@@ -1,17 +1,13 @@
 """Answers out of arrays, what is left where an auction was cut short, and rules by name."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from task_problems import drawn, line
 
-from waybound.formulations.auctions.task_allocation import TaskAllocation
+from waybound import RobotTasks, TaskAllocation, UsageError
 from waybound.formulations.stop import NEVER, Stop
 from waybound.heuristics.auctions.auction_steps.task_paths import arrays_of, completed, keeps_triangles, paths_of, rule_of
 from waybound.heuristics.heuristic import HEURISTICS, Context
-from waybound.instances.auctions.robot_tasks import RobotTasks
-from waybound.instances.errors import UsageError
 from waybound.solvers.linear_programs import LinearPrograms
 
 

@@ -1,7 +1,5 @@
 """Relays: the spanning tree's, the fewest on a graph, and the 1-median, which is another problem."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

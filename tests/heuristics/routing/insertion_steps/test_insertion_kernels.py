@@ -1,7 +1,3 @@
-"""Greedy insertion against one that tries every customer at every place again and again."""
-
-from __future__ import annotations
-
 import itertools
 import math
 from typing import Any

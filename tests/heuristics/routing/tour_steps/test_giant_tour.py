@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import itertools
 import math
 
@@ -7,8 +5,7 @@ import numpy as np
 import pytest
 from coded import coded
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from waybound import RoutingProblem, Sites, Travel, UsageError, VehicleType
 from waybound.formulations.stop import NEVER, Stop

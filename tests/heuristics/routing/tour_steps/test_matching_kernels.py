@@ -1,12 +1,9 @@
-from __future__ import annotations
-
 import functools
 
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from waybound.heuristics.routing.tour_steps.matching_kernels import minimum_weight_perfect_matching
 

@@ -1,13 +1,10 @@
-from __future__ import annotations
-
 import itertools
 import math
 
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from truth.routing import best_values
 
 from waybound import Routes, RoutingProblem, Sites, Travel, VehicleType

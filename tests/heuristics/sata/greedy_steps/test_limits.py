@@ -1,7 +1,3 @@
-"""Cardinality limits and partition matroids as groups with room."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded

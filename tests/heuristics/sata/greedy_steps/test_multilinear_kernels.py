@@ -1,13 +1,8 @@
-"""The closed form of the multilinear extension is the expected value that it stands for."""
-
-from __future__ import annotations
-
 import itertools
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from selection_problems import random_function
 
 from waybound import Cardinality, SubmodularSelection

@@ -1,7 +1,5 @@
 """Outcomes of methods for selections: what ratios rest on, and evidence only where something makes the function submodular."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""Greedy picking: the same picks and gains to the bit, whichever way the gains are evaluated."""
-
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,14 +1,9 @@
-"""The world of small batteries: ways, charging, low voltages, and what is refused."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded
 
 from waybound.instances.arrays.worlds.fleet_energy import DISPATCH, HOME, NEVER, FleetWorld, Job, ways
-from waybound.instances.errors import InputError, UsageError
-from waybound.instances.worlds import make_world
+from waybound.instances.errors import InputError
 
 JOBS = (Job(np.array([[2.0, 0.0]]), 0, NEVER), Job(np.array([[0.0, 1.0], [3.0, 0.0]]), 2, 5))
 
@@ -101,15 +96,3 @@ def test_orders_that_cannot_be_followed_change_nothing(actions, message, code):
 def test_fleets_that_reach_nothing_are_refused_at_once(changes, message):
     with pytest.raises(InputError, match=message):
         world(**changes)
-
-
-@pytest.mark.parametrize(("setting", "value"), [("charge", -1), ("robots", 0), ("scatter", 0.5), ("speed", 0)])
-def test_settings_out_of_range_are_refused(setting, value):
-    with pytest.raises(UsageError, match=f"{setting} must lie between"):
-        make_world("fleet-energy", 1, **{setting: value})
-
-
-def test_the_same_seed_gives_the_same_world():
-    one, same, other = (make_world("fleet-energy", seed) for seed in (3, 3, 4))
-    assert (one.endurance == same.endurance).all() and [j.start for j in one.jobs] == [j.start for j in same.jobs]
-    assert (one.endurance != other.endurance).any()

@@ -1,7 +1,3 @@
-"""Generalised assignments in CSV."""
-
-from __future__ import annotations
-
 import math
 from pathlib import Path
 
@@ -9,9 +5,8 @@ import pytest
 from coded import coded
 from file_cases import check_refused
 
+from waybound import GeneralisedAssignmentInstance, InputError, UsageError
 from waybound.instances.auctions.formats.agent_jobs import read, recognises, write
-from waybound.instances.auctions.generalised_assignment import GeneralisedAssignmentInstance
-from waybound.instances.errors import InputError, UsageError
 
 TEXT = """# name: yard
 agent,job,cost,consumption,capacity

@@ -1,7 +1,3 @@
-"""Matrices in CSV."""
-
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

@@ -1,7 +1,3 @@
-"""Pairs in CSV."""
-
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
@@ -9,9 +5,8 @@ import pytest
 from coded import coded
 from file_cases import check_fault, error_of
 
-from waybound.instances.auctions.assignment import AssignmentInstance
+from waybound import AssignmentInstance, UsageError
 from waybound.instances.auctions.formats.assignment_pairs import read, recognises, write
-from waybound.instances.errors import UsageError
 from waybound.instances.generating import generate
 
 TEXT = "# name: yard\nrobot;bin;cost\nr1;a;2\nr2;a;1.5\nr1;b;-3\n"

@@ -1,12 +1,7 @@
-"""Robots and tasks in CSV."""
-
-from __future__ import annotations
-
 import pytest
 from file_cases import check_refused
 
-from waybound.instances.auctions.robot_tasks import RobotTasks
-from waybound.instances.errors import InputError, UsageError
+from waybound import InputError, RobotTasks, UsageError
 from waybound.instances.reading import read_instance
 from waybound.instances.writing import write_instance
 

@@ -1,14 +1,9 @@
-"""Random assignments, and distances in an orchard."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from file_cases import check_refused
 
-from waybound.formulations.auctions.bin_assignment import BinAssignment
+from waybound import BinAssignment, UsageError
 from waybound.instances.auctions.generators.assignment import orchard_distance
-from waybound.instances.errors import UsageError
 from waybound.instances.generating import generate
 
 

@@ -1,7 +1,3 @@
-"""Random buildings, and what observations are expected to tell."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

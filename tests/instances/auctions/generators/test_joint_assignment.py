@@ -1,7 +1,3 @@
-"""Moments of an orchard."""
-
-from __future__ import annotations
-
 import numpy as np
 
 from waybound.instances.generating import generate

@@ -1,7 +1,3 @@
-"""Generated days of small orchards."""
-
-from __future__ import annotations
-
 from file_cases import check_refused
 
 from waybound.instances.errors import UsageError

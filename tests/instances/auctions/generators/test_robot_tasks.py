@@ -1,7 +1,3 @@
-"""Random robots and tasks."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from file_cases import check_refused

@@ -1,7 +1,3 @@
-"""Sensors that fill up, step by step."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from file_cases import check_refused

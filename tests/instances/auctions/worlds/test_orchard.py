@@ -1,7 +1,3 @@
-"""A day in the orchard, step by step."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded

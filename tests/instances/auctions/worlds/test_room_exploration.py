@@ -1,7 +1,3 @@
-"""The world of rooms: moves, readings and contact."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded

@@ -1,7 +1,3 @@
-"""Maps with risk drawn in text."""
-
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

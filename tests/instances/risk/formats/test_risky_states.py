@@ -1,7 +1,3 @@
-"""States with risks from CSV."""
-
-from __future__ import annotations
-
 from pathlib import Path
 
 import pytest

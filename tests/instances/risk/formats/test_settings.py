@@ -1,7 +1,3 @@
-"""Settings that the text formats of risky graphs share."""
-
-from __future__ import annotations
-
 import pytest
 from file_cases import refused
 

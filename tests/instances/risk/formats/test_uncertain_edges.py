@@ -1,7 +1,3 @@
-"""Edge lists with means and variances in CSV."""
-
-from __future__ import annotations
-
 import pytest
 from file_cases import check_refused
 from uncertain_graphs import WORKED, graph_of

@@ -1,7 +1,3 @@
-"""Generated plans under chance constraints."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np

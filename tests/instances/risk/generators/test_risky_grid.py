@@ -1,13 +1,8 @@
-"""Random maps with risk."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded
 
-from waybound.formulations.risk.risky_path import RiskyPath
-from waybound.instances.errors import UsageError
+from waybound import RiskyPath, UsageError
 from waybound.instances.generating import generate
 
 

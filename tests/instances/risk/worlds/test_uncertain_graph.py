@@ -1,7 +1,3 @@
-"""The world in which edge costs are learned on the way."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded

@@ -1,7 +1,3 @@
-"""Cordeau's text format."""
-
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -11,23 +7,13 @@ from pathlib import Path
 import pytest
 from coded import coded
 from file_cases import Change, Differences, Read, Refusal, check_fault, check_refused, check_unwritable, with_line_of
+from file_texts import MDVRP
 
-from waybound.instances.errors import InputError, UsageError
+from waybound import InputError, UsageError, VehicleType
 from waybound.instances.reading import read_instance
 from waybound.instances.routing.formats._rows import Rows
 from waybound.instances.routing.formats.cordeau import Table, read, recognises, write
-from waybound.instances.routing.instance import VehicleType
 
-MDVRP = """\
-2 3 3 2
-310 80
-0 90
- 1 37 52 0   7 1 2 1 2
- 2 49 49 5  30 1 2 2 1
- 3 52 64 0  16 1 2 1 2
- 4 20 20 0   0 0 0
- 5 60 50 0   0 0 0
-"""
 VRPTW = """\
 4 3 2 1
 500 200

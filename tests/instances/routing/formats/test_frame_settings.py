@@ -1,7 +1,3 @@
-"""Settings of tables, as text, for ``instance_from_frame``."""
-
-from __future__ import annotations
-
 import datetime
 import re
 from pathlib import Path

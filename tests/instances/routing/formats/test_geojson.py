@@ -1,7 +1,3 @@
-"""GeoJSON points as sites."""
-
-from __future__ import annotations
-
 import json
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,3 @@
-"""Li and Lim's text format."""
-
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import replace
@@ -10,15 +6,11 @@ from pathlib import Path
 
 import pytest
 from file_cases import Change, Differences, Read, Refusal, check_fault, check_unwritable, with_line_of
+from file_texts import LI_LIM as GOOD
 
+from waybound import Shipment, VehicleType
 from waybound.instances.routing.formats.li_lim import read, recognises, write
-from waybound.instances.routing.instance import VehicleType
-from waybound.instances.routing.sites import Shipment
 
-GOOD = (
-    "25\t200\t1\n0\t40\t50\t0\t0\t1236\t0\t0\t0\n1\t45\t68\t-10\t0\t967\t90\t3\t0\n"
-    "2\t42.5\t66\t10\t65\t146\t90\t0\t4\n3\t42\t68\t10\t0\t782\t90\t0\t1\n4\t40\t69\t-10\t15\t367\t90\t2\t0\n"
-)
 with_line = partial(with_line_of, GOOD)
 
 

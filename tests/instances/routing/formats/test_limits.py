@@ -1,16 +1,10 @@
-"""A format refuses what it has no place for, by name; the names are those of the data's features."""
-
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
 import pytest
 
-from waybound.instances.errors import UsageError
+from waybound import RoutingInstance, Sites, Travel, UsageError, VehicleType
 from waybound.instances.routing.formats._limits import refuse_inexpressible
-from waybound.instances.routing.instance import RoutingInstance, Sites, VehicleType
-from waybound.instances.routing.travel import Travel
 
 XY = np.array([(0, 0), (3, 0), (0, 4)], dtype=float)
 

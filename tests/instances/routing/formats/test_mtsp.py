@@ -1,7 +1,3 @@
-"""The text format of min-max multiple travelling salesmen."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import partial
 from pathlib import Path

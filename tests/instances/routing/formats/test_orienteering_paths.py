@@ -1,7 +1,3 @@
-"""The text formats of orienteering along paths: ``chao`` and ``tsiligirides``."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -9,10 +5,9 @@ from pathlib import Path
 import pytest
 from file_cases import Change, Differences, Read, Refusal, check_fault, check_unwritable, with_line_of
 
+from waybound import Travel, VehicleType
 from waybound.instances.formats import FORMATS
 from waybound.instances.routing.formats.orienteering_paths import recognises_chao, recognises_tsiligirides, write_chao, write_tsiligirides
-from waybound.instances.routing.instance import VehicleType
-from waybound.instances.routing.travel import Travel
 
 CHAO = "n 4\nm 2\ntmax 2.5\n10.5\t14.4\t0\n18\t15.9\t10\n18.3\t13.3\t12\n11.2\t14.1\t0\n"
 TSILIGIRIDES = "15\t1\n10.5\t14.4\t0\n11.2\t14.1\t0\n18\t15.9\t10\n18.3\t13.3\t15\n"

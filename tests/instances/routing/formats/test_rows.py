@@ -1,7 +1,3 @@
-"""Rows of numbers in formats without titles."""
-
-from __future__ import annotations
-
 import pytest
 from coded import coded
 

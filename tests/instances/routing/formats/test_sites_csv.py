@@ -1,7 +1,3 @@
-"""Sites from CSV."""
-
-from __future__ import annotations
-
 import json
 import math
 from dataclasses import replace
@@ -15,13 +11,12 @@ from coded import coded
 from file_cases import Change, Differences, Read, Refusal, check_unwritable
 
 import waybound as wb
-from waybound.instances.errors import InputError, UsageError
+from waybound import InputError, Travel, UsageError
 from waybound.instances.generating import generate
 from waybound.instances.reading import read_instance
 from waybound.instances.routing.formats.sites_csv import read, recognises, write
 from waybound.instances.routing.frames import instance_from_frame
 from waybound.instances.routing.instance import Clock, VehicleType
-from waybound.instances.routing.travel import Travel
 
 GOOD = """\
 # Deliveries of a Monday, without a colon a remark

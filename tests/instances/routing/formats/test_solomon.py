@@ -1,7 +1,3 @@
-"""Solomon's text format."""
-
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from functools import partial

@@ -1,7 +1,3 @@
-"""Taillard's text format of mixed fleets."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import partial
 from typing import Any
@@ -9,10 +5,8 @@ from typing import Any
 import pytest
 from file_cases import Differences, Read, Refusal, check_refused, with_line_of
 
-from waybound.instances.errors import UsageError
+from waybound import Travel, UsageError, VehicleType
 from waybound.instances.routing.formats.taillard import read, recognises, write
-from waybound.instances.routing.instance import VehicleType
-from waybound.instances.routing.travel import Travel
 
 GOOD = " 3\n 0 40 40 0\n 1 22 22 18 \n 2 36.5 26 26 \n 3 21 45 11\n2 \n20   20 1.0 0 50\n30   35 1.1 0 2\n"
 with_line = partial(with_line_of, GOOD)

@@ -1,7 +1,3 @@
-"""Files of the team orienteering problem with time windows."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -9,18 +5,12 @@ from typing import Any
 
 import pytest
 from file_cases import Change, Differences, Read, Refusal, check_fault, check_unwritable, with_line_of
+from file_texts import TOPTW as GOOD
 
 from waybound.formulations.problem import problem_from_instance
 from waybound.instances.routing.formats.toptw import read, recognises, write
 from waybound.instances.routing.instance import VehicleType
 
-GOOD = """\
-5 3 2 4
-500 200
- 0 -10.442 19.999 0 0 0 0 0 1000
- 1 -29.730 64.136 2 12 4 1 15 354 509
- 2 -30.664 5.463 7 8 4 2 1 2 234 401
-"""
 with_line = partial(with_line_of, GOOD)
 
 

@@ -1,7 +1,5 @@
 """Scanning of TSPLIB-like text: headers, sections, tables of nodes, lists and matrices, each fault with its line."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any

@@ -1,7 +1,3 @@
-"""Writing of TSPLIB-like text: what is written, and what the format has no word for."""
-
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any
@@ -9,9 +5,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from waybound.instances.errors import UsageError
+from waybound import RoutingInstance, Sites, UsageError, VehicleType
 from waybound.instances.routing.formats._tsplib_writer import always_open, longest_route, write
-from waybound.instances.routing.instance import RoutingInstance, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
 XY = np.array([(0, 0), (3, 0), (0, 4.5)], dtype=float)

@@ -1,7 +1,3 @@
-"""VROOM's JSON."""
-
-from __future__ import annotations
-
 import copy
 import json
 from pathlib import Path
@@ -10,36 +6,12 @@ from typing import Any
 import numpy as np
 import pytest
 from file_cases import Differences, Read, Refusal
+from file_texts import DURATIONS, VROOM as GOOD
 
+from waybound import Energy, Shipment, VehicleType
 from waybound.instances.formats import waybound_json
 from waybound.instances.generating import generate
 from waybound.instances.routing.formats.vroom import read, recognises, write
-from waybound.instances.routing.instance import VehicleType
-from waybound.instances.routing.sites import Shipment
-from waybound.instances.routing.vehicle_type import Energy
-
-DURATIONS = [[0, 2104, 197, 1299], [2103, 0, 2255, 3152], [197, 2256, 0, 1102], [1299, 3153, 1102, 0]]
-GOOD: dict[str, Any] = {
-    "vehicles": [
-        {"id": 1, "start_index": 0, "end_index": 0, "capacity": [4, 9], "skills": [1, 14], "time_window": [28800, 43200]},
-        {"id": 5, "start_index": 0, "end_index": 0, "capacity": [4, 9], "skills": [14, 1], "time_window": [28800, 43200]},
-        {"id": 7, "profile": "bike", "start_index": 3, "capacity": [2, 1], "costs": {"fixed": 5, "per_hour": 0, "per_km": 2000},
-         "max_travel_time": 5000, "max_distance": 9000},
-    ],
-    "jobs": [
-        {"id": 1, "description": "x", "service": 300, "delivery": [1, 0], "location_index": 1, "skills": [1],
-         "time_windows": [[32400, 36000]]},
-        {"id": 2, "service": 300, "pickup": [1, 2], "location_index": 2, "priority": 10, "time_windows": [[32400, 36000], [37000, 38000]]},
-    ],
-    "shipments": [
-        {"amount": [1, 3], "skills": [14], "pickup": {"id": 2, "service": 30, "location_index": 2},
-         "delivery": {"id": 6, "location_index": 3}},
-    ],
-    "matrices": {
-        "car": {"durations": DURATIONS},
-        "bike": {"durations": DURATIONS, "distances": [[v // 2 for v in row] for row in DURATIONS]},
-    },
-}  # fmt: skip
 
 
 def changed(path: str, value: Any) -> str:

@@ -1,7 +1,3 @@
-"""Settings of VROOM's files: great circles, and what is left out."""
-
-from __future__ import annotations
-
 import json
 import re
 from pathlib import Path
@@ -11,10 +7,9 @@ import numpy as np
 import pytest
 from file_cases import check_refused
 
-from waybound.instances.errors import InputError
+from waybound import InputError, Travel
 from waybound.instances.reading import read_instance
 from waybound.instances.routing.formats.vroom import read
-from waybound.instances.routing.travel import Travel
 
 PLACES = {
     "vehicles": [

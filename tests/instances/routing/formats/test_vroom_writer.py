@@ -1,7 +1,3 @@
-"""Writing of VROOM's JSON."""
-
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable
@@ -10,11 +6,9 @@ from typing import Any
 import pytest
 from file_cases import check_unwritable
 
+from waybound import Energy, RoutingInstance, Shipment, Sites, VehicleType
 from waybound.instances.routing.formats._vroom_writer import write
-from waybound.instances.routing.instance import RoutingInstance, Sites, VehicleType
-from waybound.instances.routing.sites import Shipment
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.instances.routing.vehicle_type import Energy
 
 
 def tiny(

@@ -1,7 +1,3 @@
-"""TSPLIB and VRPLIB files."""
-
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -10,13 +6,12 @@ from typing import Any
 import numpy as np
 import pytest
 from file_cases import Change, Differences, Read, Refusal, check_fault, check_refused, check_unwritable, refused, tsplib
+from file_texts import OP, VRPSPD
 
-from waybound.instances.errors import InputError, UsageError
+from waybound import InputError, Shipment, UsageError, VehicleType
 from waybound.instances.generating import generate
 from waybound.instances.routing.formats._tsplib_writer import write
 from waybound.instances.routing.formats.vrplib import read, recognises
-from waybound.instances.routing.instance import VehicleType
-from waybound.instances.routing.sites import Shipment
 
 CVRP = tsplib(
     "NAME : small", "COMMENT : (nobody, No of trucks: 2)", "TYPE : CVRP", "DIMENSION : 4", "EDGE_WEIGHT_TYPE : EUC_2D", "CAPACITY : 10",
@@ -86,12 +81,6 @@ def test_nodes_may_come_in_any_order_and_the_depot_anywhere(read_text_as: Read) 
     assert (made.fleet[0].start, made.fleet[0].end) == (1, 1)
 
 
-OP = tsplib(
-    "NAME : three", "TYPE : OP", "DIMENSION : 3", "TSPSOL : 12", "COST_LIMIT : 9", "EDGE_WEIGHT_TYPE : EUC_2D",
-    NODE_COORD_SECTION="1 0 0|2 3 0|3 0 4", NODE_SCORE_SECTION="1 1|2 7|3 5", DEPOT_SECTION="2|-1",
-) + "EOF\n"  # fmt: skip
-
-
 def test_everything_in_an_op_file_is_read(read_text_as: Read) -> None:
     made = read_text_as(OP)
     assert (made.name, made.problem, made.problems) == ("three", "orienteering", ("orienteering", "team-orienteering"))
@@ -120,13 +109,6 @@ def test_everything_in_an_op_file_is_read(read_text_as: Read) -> None:
 )  # fmt: skip
 def test_a_fault_of_an_op_is_refused_with_its_line(old: str, new: str, message: str, line: int, refusal: Refusal) -> None:
     check_fault(refusal(cvrp(old, new, OP)), message, line)
-
-
-VRPSPD = tsplib(
-    "NAME : both", "TYPE : MVRPB", "DIMENSION : 3", "VEHICLES : 2", "CAPACITY : 10", "EDGE_WEIGHT_TYPE : EXACT_2D",
-    NODE_COORD_SECTION="1 0 0|2 1 1|3 0 4", PICKUP_AND_DELIVERY_SECTION="1 0 0 10000000 0 0 0|2 0 0 10000000 0 3 7|3 0 0 10000000 5 2 8",
-    DEPOT_SECTION="1|-1",
-) + "EOF\n"  # fmt: skip
 
 
 def test_everything_in_a_file_with_simultaneous_pickups_and_deliveries_is_read(read_text_as: Read) -> None:

@@ -1,7 +1,5 @@
 """Several depots, vehicles that differ and prizes in VRPLIB files; files without TYPE. PyVRP's reader is the reference."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

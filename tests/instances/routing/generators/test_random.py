@@ -1,7 +1,3 @@
-"""Small random instances."""
-
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

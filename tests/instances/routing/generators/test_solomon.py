@@ -1,7 +1,3 @@
-"""Solomon's recipe."""
-
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""The recipe of set X."""
-
-from __future__ import annotations
-
 import math
 from typing import Any
 

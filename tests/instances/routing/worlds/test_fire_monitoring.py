@@ -1,11 +1,6 @@
-"""The spreading fire, its hotspots, and the world that an aircraft flies in."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.routing.spreading_fire import Fire

@@ -1,11 +1,6 @@
-"""Floors: rooms that are all joined, blocks, and maps from files."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from scipy.ndimage import label
 
 from waybound.instances.errors import InputError

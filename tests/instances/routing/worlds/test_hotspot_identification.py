@@ -1,14 +1,10 @@
-"""The field with hotspots: time, pictures, and what is refused before the first step."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
 from coded import coded
 
-from waybound.instances.errors import InputError, UsageError
+from waybound.instances.errors import InputError
 from waybound.instances.routing.aerial_pictures import Arms
 from waybound.instances.routing.gaussian_process import SquaredExponential
 from waybound.instances.routing.worlds.hotspot_identification import HotspotWorld, read_field
@@ -121,11 +117,6 @@ def test_what_cannot_be_flown_is_refused_at_once(how, message):
 def test_settings_that_fit_nothing_are_refused(settings, message):
     with pytest.raises(InputError, match=message):
         make_world("hotspot-identification", 1, **settings)
-
-
-def test_settings_out_of_range_are_refused():
-    with pytest.raises(UsageError, match="noise must lie between"):
-        make_world("hotspot-identification", 1, noise=-1)
 
 
 def test_a_field_of_ones_own(tmp_path):

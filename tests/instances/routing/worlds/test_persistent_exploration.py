@@ -1,12 +1,8 @@
-"""Robots that fly over a changing grid: time, batteries, readings, measures, and what is refused before the first step."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded
 
-from waybound.instances.errors import InputError, UsageError
+from waybound.instances.errors import InputError
 from waybound.instances.routing.occupancy import Beams, RangeSensor
 from waybound.instances.routing.occupancy_maps import MarkovMap
 from waybound.instances.routing.terrain import Terrain
@@ -159,13 +155,3 @@ def test_a_map_without_free_cells_is_refused():
 def test_contradictions_are_refused(settings, message):
     with pytest.raises(InputError, match=message):
         make_world(KIND, 1, **settings)
-
-
-def test_settings_out_of_range_are_refused():
-    with pytest.raises(UsageError, match="period must lie between"):
-        make_world(KIND, 1, period=-5)
-
-
-def test_the_same_seed_gives_the_same_place_and_another_one_another():
-    one, same, other = (make_world(KIND, seed) for seed in (5, 5, 6))
-    assert (one.terrain.period == same.terrain.period).all() and not (one.terrain.period == other.terrain.period).all()

@@ -1,16 +1,13 @@
 """The unknown floor: sight, radios, energy, what comes to the base, and what is refused before the first step."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
 from coded import coded
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
-from waybound.instances.errors import InputError, UsageError
+from waybound.instances.errors import InputError
 from waybound.instances.routing.worlds.unreliable_communication import CommunicationWorld
 from waybound.instances.worlds import make_world
 
@@ -143,16 +140,3 @@ def test_orders_that_cannot_be_followed_change_nothing(robot, by, message, code)
 def test_what_cannot_be_explored_is_refused_at_once(how, message, code):
     with pytest.raises(InputError, match=message, check=coded(code)):
         CommunicationWorld(*how)
-
-
-def test_settings_out_of_range_are_refused():
-    with pytest.raises(UsageError, match="battery must lie between 2"):
-        make_world("unreliable-communication", 1, battery=1)
-    with pytest.raises(UsageError, match="loss must lie between"):
-        make_world("unreliable-communication", 1, loss=-0.1)
-
-
-def test_the_same_seed_gives_the_same_floor_and_another_one_another():
-    one, same, other = (make_world("unreliable-communication", seed) for seed in (5, 5, 6))
-    assert (one.free == same.free).all() and one.base == same.base
-    assert not np.array_equal(one.free, other.free)

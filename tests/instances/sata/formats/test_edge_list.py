@@ -1,14 +1,9 @@
-"""Edge lists of sensing graphs."""
-
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np
 import pytest
 from file_cases import Read, Refusal, check_refused
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.formats import FORMATS

@@ -1,7 +1,3 @@
-"""Random weighted coverage."""
-
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

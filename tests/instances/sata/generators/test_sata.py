@@ -1,7 +1,3 @@
-"""Random sensing graphs of a given density."""
-
-from __future__ import annotations
-
 from typing import Any
 
 import networkx as nx
@@ -9,8 +5,7 @@ import numpy as np
 import pytest
 from draws import draws
 from file_cases import check_refused
-from hypothesis import assume, given, settings
-from hypothesis import strategies as st
+from hypothesis import assume, given, settings, strategies as st
 
 from waybound.instances.errors import UsageError
 from waybound.instances.generating import generate

@@ -1,7 +1,3 @@
-"""Large random sensing graphs for measuring."""
-
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""The world of search and tracking: what is detected, what the filter makes of it, what is refused."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -105,9 +101,6 @@ def test_robots_outside_the_map_are_refused(settings, message):
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ({"detection": 1.5}, "detection must lie between 0 and 1"), ({"clutter": -0.1}, "clutter must lie between 0 and 1"),
-        ({"survival": 2}, "survival must lie between 0 and 1"), ({"drift": -1}, "drift must lie between 0"),
-        ({"birth": -1}, "birth must lie between 0"), ({"sensing": 0}, "sensing must lie between 0.001"),
         ({"target-step": 100}, "too long for an area"), ({"repulsion": "some"}, "repulsion must be one of all, undetected, none"),
         ({"start": "a,b"}, "start must be pairs of numbers"), ({"start": "1,2,3"}, "start must be pairs"),
     ],

@@ -1,7 +1,3 @@
-"""The tracking world: how targets and robots move, and what robots see."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -9,8 +5,7 @@ import pytest
 from coded import coded
 from draws import draws
 from file_cases import check_refused
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.sata.worlds.tracking import SCENARIOS, TrackingRules, TrackingWorld, linked
@@ -178,10 +173,8 @@ def test_a_target_step_longer_than_half_the_area_is_refused():
     check_refused(UsageError, "too long", make_world, "tracking", 1, target_step=101)
 
 
-@pytest.mark.parametrize(
-    ("key", "value"), [("robots", 0), ("moving", 1.5), ("noise", -1), ("width", "wide"), ("sensing", math.nan), ("scenario", "x")]
-)
-def test_settings_out_of_range_are_refused_by_name(key, value):
+@pytest.mark.parametrize(("key", "value"), [("width", "wide"), ("sensing", math.nan), ("scenario", "x")])
+def test_settings_that_are_none_are_refused_by_name(key, value):
     check_refused(UsageError, key, make_world, "tracking", 1, **{key: value})
 
 

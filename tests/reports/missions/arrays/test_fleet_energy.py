@@ -1,7 +1,3 @@
-"""Keeping jobs going: taking them on, relieving robots, and learning how long batteries last."""
-
-from __future__ import annotations
-
 import pytest
 
 import waybound as wb

@@ -1,7 +1,3 @@
-"""Exploring, mapping and searching at play: plans from contact to contact, rules of groups, and the bound."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,13 +1,8 @@
-"""Information gathering at play."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
 import waybound as wb
-from waybound.formulations.auctions.balanced_partition import BalancedPartition
-from waybound.formulations.auctions.task_allocation import TaskAllocation
+from waybound import BalancedPartition, TaskAllocation
 from waybound.instances.auctions.worlds.information_gathering import GatheringRules, GatheringWorld
 from waybound.reports.missions.animation import Film
 from waybound.reports.missions.auctions import information_gathering as tours

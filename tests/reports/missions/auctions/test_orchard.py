@@ -1,16 +1,10 @@
-"""The orchard as a mission: rules, auctions, assignments and schedules at play."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
 import waybound as wb
-from waybound.formulations.auctions.bin_assignment import BinAssignment
-from waybound.formulations.auctions.orchard_day import OrchardDay
+from waybound import BinAssignment, OrchardDay, UsageError
 from waybound.instances.auctions.orchard_grid import OrchardGrid
 from waybound.instances.auctions.orchard_rules import OrchardRules
-from waybound.instances.errors import UsageError
 from waybound.reports.missions.animation import Film
 from waybound.reports.missions.auctions.orchard import Orchard
 from waybound.reports.missions.auctions.orchard_days.days import play_day

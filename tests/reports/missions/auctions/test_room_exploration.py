@@ -1,7 +1,3 @@
-"""Room exploration at play: rounds of the static problem, beliefs and contact."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

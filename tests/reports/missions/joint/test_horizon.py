@@ -1,7 +1,5 @@
 """Planning within a horizon: what is bound, what is reachable, selection, and extension of plans."""
 
-from __future__ import annotations
-
 import itertools
 import math
 

@@ -1,7 +1,3 @@
-"""Persistent exploration: rounds until the horizon, routes with virtual nodes, ways to decide, and what is refused."""
-
-from __future__ import annotations
-
 from types import SimpleNamespace
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""Policies and solvers at play on an uncertain graph."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from uncertain_graphs import WORKED, graph_of

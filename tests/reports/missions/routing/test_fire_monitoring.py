@@ -1,11 +1,6 @@
-"""Monitoring a fire: scores, circling, tours, and the exact patrol against its plan and the bound."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 import waybound as wb
 from waybound.instances.errors import UsageError

@@ -1,10 +1,5 @@
-"""Steps over a grid, against scipy's shortest paths."""
-
-from __future__ import annotations
-
 import numpy as np
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from scipy.sparse.csgraph import dijkstra
 
 from waybound.reports.missions.routing.grid_kernels import FAR, steps_from

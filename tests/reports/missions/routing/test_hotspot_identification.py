@@ -1,7 +1,3 @@
-"""Looking for hotspots: by confidence bounds, by sweeps, and by routes among the best arms."""
-
-from __future__ import annotations
-
 import itertools
 import math
 

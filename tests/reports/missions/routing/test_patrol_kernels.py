@@ -1,10 +1,5 @@
-"""The exact patrol against all sequences of visits."""
-
-from __future__ import annotations
-
 import numpy as np
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.reports.missions.routing.patrol_kernels import least_worst_waits
 

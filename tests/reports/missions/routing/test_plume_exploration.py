@@ -1,13 +1,8 @@
-"""Exploring a plume: by the depth-first team, by the lawn mower, and by routes through what is in sight."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 import waybound as wb
 from waybound.instances.routing.worlds.plume_exploration import PlumeWorld, grown

@@ -1,11 +1,6 @@
-"""Exploring under unreliable communication: by roles and without, by the nearest frontier and by shared routes."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 import waybound as wb
 from waybound.instances.routing.worlds.unreliable_communication import CommunicationWorld

@@ -1,7 +1,3 @@
-"""Force vectors against values computed by hand."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded

@@ -1,7 +1,3 @@
-"""The mission of search and tracking: lanes, objectives, problems, policies, logs."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

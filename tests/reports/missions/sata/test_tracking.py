@@ -1,7 +1,3 @@
-"""The tracking mission: prediction, primitives, problem, actions, measures."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np

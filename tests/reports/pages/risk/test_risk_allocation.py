@@ -1,7 +1,3 @@
-"""The page of a risk allocation."""
-
-from __future__ import annotations
-
 import risk_problems
 
 import waybound as wb

@@ -1,7 +1,3 @@
-"""Maps of routes within pages."""
-
-from __future__ import annotations
-
 import html
 import json
 import re

@@ -1,7 +1,3 @@
-"""Routes on maps of streets."""
-
-from __future__ import annotations
-
 import importlib.util
 from typing import Any
 

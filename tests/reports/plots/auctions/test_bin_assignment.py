@@ -1,7 +1,3 @@
-"""Pictures of assignments."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from bin_assignments import worked

@@ -1,7 +1,3 @@
-"""Pictures of generalised assignments."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from knapsack_assignments import worked

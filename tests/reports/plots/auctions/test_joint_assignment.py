@@ -1,7 +1,3 @@
-"""Pictures of joint assignments."""
-
-from __future__ import annotations
-
 import pytest
 
 import waybound as wb

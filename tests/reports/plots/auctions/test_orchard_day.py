@@ -1,7 +1,3 @@
-"""Pictures of days in the orchard."""
-
-from __future__ import annotations
-
 from orchard_cases import TWO_ROUTES, lane
 
 import waybound as wb

@@ -1,7 +1,3 @@
-"""Pictures of explorations of rooms."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

@@ -1,7 +1,3 @@
-"""Pictures of paths and parts."""
-
-from __future__ import annotations
-
 import numpy as np
 from task_problems import line, parts
 

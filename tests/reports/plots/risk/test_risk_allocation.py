@@ -1,7 +1,3 @@
-"""Pictures of risk allocations."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from coded import coded
@@ -9,8 +5,7 @@ from matplotlib.patches import Ellipse
 from risk_problems import problem
 
 import waybound as wb
-from waybound.formulations.risk.allocations import Allocation
-from waybound.instances.errors import UsageError
+from waybound import Allocation, UsageError
 from waybound.reports.plots import save_plot, views
 from waybound.reports.plots.risk.risk_allocation import plot_risk_allocation
 

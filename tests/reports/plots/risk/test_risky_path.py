@@ -1,7 +1,3 @@
-"""Pictures of risky paths."""
-
-from __future__ import annotations
-
 import numpy as np
 import risky_cases as cases
 

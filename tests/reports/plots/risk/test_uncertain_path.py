@@ -1,7 +1,3 @@
-"""Pictures of paths through uncertain graphs."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from matplotlib.collections import LineCollection

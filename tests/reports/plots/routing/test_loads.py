@@ -1,7 +1,3 @@
-"""Loads along routes."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""Maps of routes: positions, scale bars, arrows, legends and titles."""
-
-from __future__ import annotations
-
 import dataclasses
 import math
 
@@ -10,8 +6,7 @@ import pandas as pd
 import pytest
 from coded import coded
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 
 import waybound as wb
 from waybound import UsageError

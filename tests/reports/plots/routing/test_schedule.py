@@ -1,7 +1,3 @@
-"""Gantt charts of routes."""
-
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 import pytest

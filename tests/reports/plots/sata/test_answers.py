@@ -1,7 +1,5 @@
 """Pictures of selections, max-min answers and sensing graphs."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from matplotlib.collections import LineCollection

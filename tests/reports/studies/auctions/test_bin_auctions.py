@@ -1,7 +1,3 @@
-"""Families of assignments."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,3 @@
-"""Partition against auction: what is compared, and what is concluded."""
-
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 import pytest

@@ -1,7 +1,3 @@
-"""Families of days in an orchard."""
-
-from __future__ import annotations
-
 import pytest
 
 from waybound.heuristics.auctions.list_schedule import is_ready

@@ -1,7 +1,3 @@
-"""Families of generalised assignments."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from knapsack_assignments import enumerated

@@ -1,7 +1,3 @@
-"""The orchard study, in its short form, and what it must show."""
-
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 import pytest

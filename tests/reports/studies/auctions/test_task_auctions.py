@@ -1,7 +1,3 @@
-"""Families of tasks: their optima are those of the dynamic program, and traps do what they are made for."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from task_problems import best_paths_value

@@ -1,7 +1,3 @@
-"""Walks through uncertain graphs: what is compared, and what is concluded."""
-
-from __future__ import annotations
-
 import numpy as np
 import pandas as pd
 import pytest

@@ -1,7 +1,3 @@
-"""The study of fire monitoring, in its short form."""
-
-from __future__ import annotations
-
 import math
 
 import pandas as pd

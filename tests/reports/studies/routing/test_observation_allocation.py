@@ -1,7 +1,3 @@
-"""Which cells are looked at: the study of allocations, and the printed responses that depend on nothing that is lost."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,3 @@
-"""Formulas of the plume chapter, and the shapes on which some of its theorems fail."""
-
-from __future__ import annotations
-
 import pytest
 
 from waybound.instances.routing.worlds.plume_exploration import serpentine

@@ -1,7 +1,3 @@
-"""The study of plume exploration, in its short form."""
-
-from __future__ import annotations
-
 import pytest
 from short_forms import short_form
 

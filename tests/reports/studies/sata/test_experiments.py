@@ -1,7 +1,3 @@
-"""Experiments on random sensing graphs."""
-
-from __future__ import annotations
-
 import pytest
 
 from waybound import CheckFailedError, UsageError, WinnerTakesAllSATA

@@ -1,7 +1,3 @@
-"""The study of search and tracking."""
-
-from __future__ import annotations
-
 import pandas as pd
 import pytest
 from short_forms import short_form

@@ -1,7 +1,3 @@
-"""Greedy against force vectors: bars, leads and findings."""
-
-from __future__ import annotations
-
 import pytest
 
 from waybound.reports.plots.drawing import figure_without_display

@@ -1,7 +1,3 @@
-"""Weights of tracking: errors and points."""
-
-from __future__ import annotations
-
 import pytest
 
 from waybound.reports.plots.drawing import figure_without_display

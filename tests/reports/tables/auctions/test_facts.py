@@ -1,7 +1,3 @@
-"""Facts of assignments, tasks and jobs: sizes and ranges."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""Tables of risk allocations."""
-
-from __future__ import annotations
-
 from risk_problems import problem
 
 from waybound.formulations.risk.allocations import Allocation

@@ -1,7 +1,3 @@
-"""What is told of uncertain graphs."""
-
-from __future__ import annotations
-
 import networkx as nx
 from uncertain_graphs import WORKED, graph_of
 

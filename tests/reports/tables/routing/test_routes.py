@@ -1,7 +1,3 @@
-"""Tables of routes and of sites that stay unserved."""
-
-from __future__ import annotations
-
 import dataclasses
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""The page on who takes what is what the declarations generate."""
-
-from __future__ import annotations
-
 from pathlib import Path
 
 from waybound.formulations.routing.objective import TERMS

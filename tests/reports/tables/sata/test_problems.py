@@ -1,7 +1,5 @@
 """What tables tell of max-min problems, selections and sensing graphs."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,19 +1,16 @@
 """Endless programs are found out, and no others."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from programs import INF, program
 
 import waybound as wb
+from waybound import CheckFailedError, Evidence
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.certificate import certify, check_certificate
-from waybound.formulations.evidence import Evidence
 from waybound.formulations.solution import status_line
 from waybound.formulations.stop import Stop
 from waybound.formulations.verified_bounds import proves_unbounded
-from waybound.instances.errors import CheckFailedError
 from waybound.reports.battery.kinds import KINDS
 from waybound.reports.battery.truth import truth
 from waybound.solvers.bounds import BOUNDS

@@ -1,7 +1,3 @@
-"""Convex quadratic programs are bounded by the tangent at their optimum."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from programs import INF, program

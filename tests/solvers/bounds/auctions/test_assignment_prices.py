@@ -1,7 +1,3 @@
-"""Bound ``assignment-prices``: what bounds answers of whoever brings no prices."""
-
-from __future__ import annotations
-
 import math
 
 import pytest

@@ -1,7 +1,3 @@
-"""Bounds that read nothing but the data: each for one family, verified, and met by an optimum."""
-
-from __future__ import annotations
-
 import pytest
 from bin_assignments import worked
 from explorations import path

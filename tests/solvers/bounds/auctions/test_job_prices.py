@@ -1,7 +1,5 @@
 """Lagrangean bounds of generalised assignments: never beyond the optimum, and beyond the linear relaxation where knapsacks are whole."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,17 +1,12 @@
-"""Prices of a forest: they prove what the ascent says, more than the forest alone, and no more than the optimum."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
 from task_problems import best_paths_value, drawn, line, parts
 
-from waybound.formulations.auctions.task_allocation import TaskAllocation
+from waybound import RobotTasks, TaskAllocation
 from waybound.formulations.evidence import CHECKERS
 from waybound.formulations.stop import NEVER, Stop
-from waybound.instances.auctions.robot_tasks import RobotTasks
 from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.linear_programs import LinearPrograms
 

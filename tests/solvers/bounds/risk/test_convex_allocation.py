@@ -1,7 +1,3 @@
-"""The bound for every method of risk allocation."""
-
-from __future__ import annotations
-
 import pytest
 from risk_problems import around_a_box, problem
 

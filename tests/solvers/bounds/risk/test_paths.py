@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import pytest
 import risky_cases as cases
 from uncertain_graphs import WORKED, graph_of

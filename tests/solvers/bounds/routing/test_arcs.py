@@ -1,7 +1,3 @@
-"""Arc costs that steer the bounds: never more than a route pays, no arc gone that a route may use."""
-
-from __future__ import annotations
-
 import itertools
 import math
 from typing import Any

@@ -1,7 +1,3 @@
-"""The assignment bound: its value is that of the cheapest assignment, and its prices are verified."""
-
-from __future__ import annotations
-
 import itertools
 import math
 

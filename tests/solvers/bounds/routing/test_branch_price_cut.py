@@ -1,7 +1,3 @@
-"""Branch and price, and trees of moves: small problems are proved, nothing false is, and routes are those that trying all of them finds."""
-
-from __future__ import annotations
-
 import json
 import math
 import threading
@@ -20,7 +16,6 @@ from truth.routing import best_values
 
 from waybound import Evidence, RoutingProblem, Sites, Travel, VehicleType
 from waybound.formulations.certificate import certify, check_certificate
-from waybound.formulations.kernels import kernels
 from waybound.formulations.routing.checking.relaxation import relax
 from waybound.formulations.stop import Stop
 from waybound.formulations.verified_bounds import verified_bound
@@ -38,12 +33,7 @@ PROVED = (
 )  # fmt: skip
 
 
-@pytest.fixture(scope="module", autouse=True)
-def _compiled() -> None:
-    """Kernels are compiled before a budget begins."""
-    for module in branch_price_cut.KERNELS:
-        for kernel in kernels(module):
-            kernel.make()
+pytestmark = pytest.mark.usefixtures("compiled_pricing")
 
 
 def leaves(evidence: Evidence) -> list[dict[str, Any]]:

@@ -1,16 +1,10 @@
-"""Problems that the bound takes, and that the objective decides whether limits of routes come first."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from small_routing import plane
 
-from waybound import VehicleType
-from waybound.formulations.routing.objective import Objective
-from waybound.formulations.routing.problem import RoutingProblem
+from waybound import Objective, RoutingProblem, VehicleType
 from waybound.formulations.stop import Stop
 from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.routing.travel import EXPLICIT, Travel

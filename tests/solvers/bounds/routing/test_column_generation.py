@@ -1,7 +1,5 @@
 """The linear program of a node: its value is that of all routes, rays prove that there are none, and dropped routes are not missed."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

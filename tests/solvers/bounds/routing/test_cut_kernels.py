@@ -1,7 +1,3 @@
-"""Least cuts against SciPy's greatest flows."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.sparse as sp

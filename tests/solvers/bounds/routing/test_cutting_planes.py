@@ -1,7 +1,3 @@
-"""The program with cuts proves what its checker derives, closely, and never too much."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

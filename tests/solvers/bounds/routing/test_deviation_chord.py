@@ -1,7 +1,3 @@
-"""Evidence that is found with the chord of the deviation: better than that of the means, within its time, and verified."""
-
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

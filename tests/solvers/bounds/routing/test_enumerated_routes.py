@@ -1,7 +1,3 @@
-"""All routes of a better answer: none is missing, and what is chosen among them is the optimum."""
-
-from __future__ import annotations
-
 import itertools
 import json
 import math
@@ -18,7 +14,6 @@ from small_routing import plane, small
 from truth.routing import best_values, routes
 
 from waybound import Evidence, RoutingProblem
-from waybound.formulations.kernels import kernels
 from waybound.formulations.stop import Stop
 from waybound.formulations.verified_bounds import verified_bound
 from waybound.solvers.bounds import BOUNDS
@@ -32,12 +27,7 @@ from waybound.solvers.linear_programs import LinearPrograms
 FEATURES = ("capacity", "time-windows", "service-times", "max-distance", "limited-fleet", "fixed-cost", "open-routes")
 
 
-@pytest.fixture(scope="module", autouse=True)
-def _compiled() -> None:
-    """Kernels are compiled before a budget begins."""
-    for module in branch_price_cut.KERNELS:
-        for kernel in kernels(module):
-            kernel.make()
+pytestmark = pytest.mark.usefixtures("compiled_pricing")
 
 
 @pytest.fixture(autouse=True)

@@ -1,7 +1,3 @@
-"""Problems of few customers are proved by all routes, and by limits on the largest route."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """First answers: judged, and none where a search cannot give one."""
 
-from __future__ import annotations
-
 import pytest
 from patience import HANG
 from small_routing import plane, small

@@ -1,7 +1,5 @@
 """Sites that no vehicle can serve, and fleets that are too small, are proved so before any search; others are not accused."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""The critical ratio is the best price."""
-
-from __future__ import annotations
-
 import numpy as np
 from small_routing import small
 

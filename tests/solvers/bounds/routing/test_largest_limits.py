@@ -1,7 +1,5 @@
 """The largest of all routes by bisection: optima are proved at any scale, no lie is, and both ends stand whenever it stops."""
 
-from __future__ import annotations
-
 import copy
 import math
 from collections.abc import Callable
@@ -15,24 +13,16 @@ from draws import draws
 from small_routing import plane, small
 from truth.routing import best_values
 
-from waybound import Evidence, Routes, RoutingProblem, Sites, Travel, VehicleType
-from waybound.formulations.kernels import kernels
+from waybound import Evidence, InputError, Routes, RoutingProblem, Sites, Travel, VehicleType
 from waybound.formulations.routing.objective import PEAKS, Objective
 from waybound.formulations.stop import Stop
 from waybound.formulations.verified_bounds import verified_bound
-from waybound.instances.errors import InputError
 from waybound.instances.routing.travel import EXPLICIT
-from waybound.solvers.bounds.routing import branch_price_cut, largest_limits
+from waybound.solvers.bounds.routing import largest_limits
 from waybound.solvers.bounds.routing.choice_of_routes import largest_route_bound
 from waybound.solvers.bounds.routing.largest_limits import LimitSearch, LimitTree, stated
 
-
-@pytest.fixture(scope="module", autouse=True)
-def _compiled() -> None:
-    """Kernels are compiled before a budget begins."""
-    for module in branch_price_cut.KERNELS:
-        for kernel in kernels(module):
-            kernel.make()
+pytestmark = pytest.mark.usefixtures("compiled_pricing")
 
 
 def tight(feature: str, seed: int, term: str, convention: str = "exact") -> RoutingProblem:

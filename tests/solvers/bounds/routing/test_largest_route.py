@@ -1,7 +1,3 @@
-"""The largest route is bounded by the farthest round trip, and by the better of a tree and of walks, shared by all vehicles."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

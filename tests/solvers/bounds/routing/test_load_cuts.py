@@ -1,7 +1,3 @@
-"""Capacity cuts: no answer violates one, and what is found is violated."""
-
-from __future__ import annotations
-
 import itertools
 from dataclasses import replace
 

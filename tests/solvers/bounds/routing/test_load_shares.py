@@ -1,7 +1,5 @@
 """Bounds that need no search are there at any size, whatever time there is."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""Arrays and routes stay within their shares, and shares within the limit."""
-
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""Rows of moves of which some are made."""
-
-from __future__ import annotations
-
 import numpy as np
 
 from waybound.solvers.bounds.routing.move_rows import MoveRow

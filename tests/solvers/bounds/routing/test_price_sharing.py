@@ -1,7 +1,3 @@
-"""Shared prices end near the best ones, whether all moves are looked at from the start or not."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from small_routing import plane

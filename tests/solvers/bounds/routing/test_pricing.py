@@ -1,7 +1,3 @@
-"""Labels from one end or from both find the cheapest routes, with cuts and memories, and the cheapest over each move."""
-
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace

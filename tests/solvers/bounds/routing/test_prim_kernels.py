@@ -1,7 +1,3 @@
-"""Minimum spanning trees against trying every tree, and SciPy on larger ones."""
-
-from __future__ import annotations
-
 import itertools
 import math
 

@@ -1,7 +1,3 @@
-"""Walks on a grid cost what the checker's own program finds, forwards and backwards."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from small_routing import small

@@ -1,7 +1,3 @@
-"""The pool of routes and the linear program over it."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

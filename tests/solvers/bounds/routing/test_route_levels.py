@@ -1,7 +1,3 @@
-"""Levels of routes: which keep walks from going round for ever, and ranges without an end."""
-
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,3 @@
-"""Rows over whole routes: no choice of routes violates one, and those that are found are violated."""
-
-from __future__ import annotations
-
 from itertools import combinations
 
 import numpy as np

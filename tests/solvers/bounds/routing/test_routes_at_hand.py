@@ -1,7 +1,3 @@
-"""Routes at hand: the cheapest choice of them, within all numbers of routes, with visits that may be left out."""
-
-from __future__ import annotations
-
 import itertools
 import math
 

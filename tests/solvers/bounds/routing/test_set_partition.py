@@ -1,7 +1,3 @@
-"""The set partitioning program: types of vehicle, rows of visits, and what an answer without any costs."""
-
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -9,8 +5,7 @@ import numpy as np
 import pytest
 from small_routing import small
 
-from waybound import RoutingProblem, Sites, Travel, VehicleType
-from waybound.instances.routing.sites import Group
+from waybound import Group, RoutingProblem, Sites, Travel, VehicleType
 from waybound.solvers.bounds.routing.set_partition import lacks_route_costs, set_partition
 
 AT = np.array([[0.0, 0], [3, 4], [6, 8], [0, 5], [9, 12]])

@@ -1,7 +1,3 @@
-"""Duals of an LP with few arcs, priced over all of them, prove what the whole LP proves."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import scipy.sparse as sp

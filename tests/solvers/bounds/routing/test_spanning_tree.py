@@ -1,7 +1,3 @@
-"""The ascent on node prices: near the optimum of its bound, in time, and believed by the checker."""
-
-from __future__ import annotations
-
 import itertools
 import math
 import time

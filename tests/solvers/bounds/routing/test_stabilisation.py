@@ -1,7 +1,3 @@
-"""All ways to choose prices end at the value of the linear program, and boxes move and change their size as ascents ask for."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np

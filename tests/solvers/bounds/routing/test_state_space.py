@@ -1,7 +1,3 @@
-"""Prices by ascent: near the optimum, for every problem of the family, and believed by the checker."""
-
-from __future__ import annotations
-
 import math
 
 import pytest

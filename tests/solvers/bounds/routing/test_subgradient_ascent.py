@@ -1,7 +1,5 @@
 """The ascent meets the maximum of concave functions, and says where it has none."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

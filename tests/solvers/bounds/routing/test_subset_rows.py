@@ -1,7 +1,3 @@
-"""Subset-row cuts: their coefficients are those of the definition, no answer violates one, and the violated ones are found."""
-
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

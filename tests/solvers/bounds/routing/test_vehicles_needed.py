@@ -1,7 +1,3 @@
-"""Fleets that are too small are ruled out, by loads or by other limits, and never one that is not."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

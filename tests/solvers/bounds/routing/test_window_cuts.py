@@ -1,7 +1,5 @@
 """Sets that no route serves are found where one route and a half enters them, once."""
 
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

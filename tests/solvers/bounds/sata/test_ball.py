@@ -1,13 +1,10 @@
-from __future__ import annotations
-
 import time
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from programs import AnsweredBy
 from random_sensing import chain_graph, optimum, random_graph
 from ratio_strategies import graphs

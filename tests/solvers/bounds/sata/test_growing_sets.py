@@ -1,11 +1,6 @@
-"""Sets that grow: values and gains are those of the function, whichever way it is given."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from selection_problems import KINDS, OWN_KINDS, random_function
 
 from waybound.formulations.stop import Stop

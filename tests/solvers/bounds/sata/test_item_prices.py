@@ -1,13 +1,8 @@
-"""Prices of items by the primal-dual method: they prove the value of the linear relaxation, and nothing less than an optimum."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from patience import HANG
 from selection_problems import cover_30, optimum, random_problem
 

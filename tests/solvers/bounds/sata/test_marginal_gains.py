@@ -1,11 +1,8 @@
 """The bound method for selections, and the choice of a prefix."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 from patience import HANG
 from selection_problems import CONSTRAINTS, KINDS, cover_30, cover_tight, optimum, random_problem, run, value
 

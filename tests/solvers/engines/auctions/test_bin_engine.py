@@ -1,13 +1,8 @@
-"""Engines of bin assignments: what they refuse, and what the data alone show."""
-
-from __future__ import annotations
-
 import pytest
 from bin_assignments import worked
 
 import waybound as wb
-from waybound.formulations.auctions.bin_assignment import BinAssignment
-from waybound.instances.errors import UnsupportedError
+from waybound import BinAssignment, UnsupportedError
 from waybound.solvers.backend import BACKENDS, Control, Options
 
 OTHER = {"lapjv": "bottleneck", "epsilon-scaling": "bottleneck", "min-cost-flow": "bottleneck", "threshold-matching": "sum"}

@@ -1,7 +1,3 @@
-"""Engine ``epsilon-scaling``."""
-
-from __future__ import annotations
-
 import subprocess
 import sys
 
@@ -14,8 +10,7 @@ import waybound as wb
 from waybound.formulations.auctions.bin_assignment import BinAssignment
 from waybound.formulations.stop import NEVER
 from waybound.solvers.backend import BACKENDS, Control, Options
-from waybound.solvers.engines.auctions.assignment_steps import auction as steps
-from waybound.solvers.engines.auctions.assignment_steps import recovered_prices
+from waybound.solvers.engines.auctions.assignment_steps import auction as steps, recovered_prices
 
 
 @pytest.mark.parametrize("name", OPTIMA)

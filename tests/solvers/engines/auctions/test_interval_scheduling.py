@@ -1,16 +1,10 @@
-"""The engine of days: what it takes, and what it leaves when it is stopped."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from orchard_cases import random_jobs, retrievals
 
 import waybound as wb
-from waybound.formulations.auctions.orchard_day import OrchardDay
+from waybound import OrchardDay, OrchardJobs, UnsupportedError
 from waybound.instances.auctions.orchard_grid import OrchardGrid
-from waybound.instances.auctions.orchard_jobs import OrchardJobs
-from waybound.instances.errors import UnsupportedError
 from waybound.solvers.backend import BACKENDS, Control, Options
 
 

@@ -1,7 +1,3 @@
-"""Engine ``lapjv``."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from bin_assignments import OPTIMA, enumerated, random_costs, worked

@@ -1,15 +1,10 @@
-"""Engine ``min-cost-flow``."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from bin_assignments import OPTIMA, enumerated, random_costs, worked
 from draws import draws
 
 import waybound as wb
-from waybound.formulations.auctions.bin_assignment import BinAssignment
-from waybound.formulations.programs.exactness import Exactness
+from waybound import BinAssignment, Exactness
 from waybound.solvers.backend import BACKENDS, Control, Options
 
 

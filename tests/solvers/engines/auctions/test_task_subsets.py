@@ -1,7 +1,3 @@
-"""The engine of best paths through ``solve``: a verified optimum, the sizes that it takes, and limits."""
-
-from __future__ import annotations
-
 import itertools
 
 import numpy as np
@@ -10,10 +6,8 @@ from draws import draws
 from task_problems import OBJECTIVES, best_partition_value, best_paths_value, drawn, line, parts
 
 import waybound as wb
-from waybound.formulations.auctions.balanced_partition import BalancedPartition
-from waybound.formulations.auctions.task_allocation import TaskAllocation
+from waybound import BalancedPartition, RobotTasks, TaskAllocation
 from waybound.formulations.stop import NEVER, Stop
-from waybound.instances.auctions.robot_tasks import RobotTasks
 from waybound.solvers.backend import Control, Options
 from waybound.solvers.engines.auctions.task_subsets import MOST_TASKS, PartSubsets, best_paths
 

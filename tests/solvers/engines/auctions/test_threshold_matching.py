@@ -1,7 +1,3 @@
-"""Engine ``threshold-matching``."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from bin_assignments import BOTTLENECKS, enumerated, random_costs, worked

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -8,11 +6,9 @@ import pytest
 from risk_problems import around_a_box, margins, problem, risk_of_two_sensors, run, two_sensors
 
 import waybound as wb
-from waybound.api import solve
-from waybound.formulations.risk.risk_allocation import RiskAllocation
+from waybound import RiskAllocation, UnsupportedError, solve
 from waybound.formulations.stop import Stop
 from waybound.formulations.verified_bounds import verified_bound
-from waybound.instances.errors import UnsupportedError
 from waybound.instances.risk.allocation import Budget, Risk
 from waybound.reports.benchmarks.risk_allocation import by_program, random_problem
 from waybound.solvers.engines.risk.convex_allocation import BEYOND, ConvexAllocation, _unproved, beyond_boole, quantile, room

@@ -1,7 +1,3 @@
-"""Chance constraints with alternatives: a tree whose bound is verified."""
-
-from __future__ import annotations
-
 import itertools
 
 import numpy as np

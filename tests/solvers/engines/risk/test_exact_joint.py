@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from one_factor import any_fails_by_quadrature
@@ -7,8 +5,7 @@ from risk_problems import margins, problem, risk_of_two_sensors, run, two_sensor
 from scipy.stats import norm
 
 import waybound as wb
-from waybound.api import solve
-from waybound.instances.errors import UnsupportedError
+from waybound import UnsupportedError, solve
 from waybound.solvers.engines.risk.exact_joint import ExactJoint, gradient
 
 

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import math
 
 import numpy as np
@@ -8,9 +6,8 @@ from coded import coded
 from uncertain_graphs import CROSSED, WORKED, all_paths, graph_of, named, random_graph
 
 import waybound as wb
-from waybound.formulations.risk.uncertain_path import UncertainPath
+from waybound import UncertainPath, UnsupportedError, UsageError
 from waybound.formulations.stop import Stop
-from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.instances.generating import generate
 from waybound.solvers.backend import BACKENDS, Control, Options
 from waybound.solvers.engines.risk.non_dominated_paths import DOMINANCE, non_dominated_paths

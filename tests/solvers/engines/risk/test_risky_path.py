@@ -1,14 +1,11 @@
-from __future__ import annotations
-
 import math
 
 import pytest
 import risky_cases as cases
 
 import waybound as wb
-from waybound.formulations.risk.risky_path import RiskyPath
+from waybound import RiskyPath, UnsupportedError, UsageError
 from waybound.formulations.verified_bounds import verified_bound
-from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.instances.risk.elements import LocaleRisk
 from waybound.instances.risk.traverse_elements import CollectedRisk
 from waybound.solvers.backend import BACKENDS, Control, Options

@@ -1,13 +1,10 @@
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from uncertain_graphs import WORKED, all_paths, graph_of, named, random_graph
 
 import waybound as wb
-from waybound.formulations.risk.uncertain_path import UncertainPath
+from waybound import UncertainPath, UnsupportedError
 from waybound.formulations.stop import NEVER, Stop
-from waybound.instances.errors import UnsupportedError
 from waybound.solvers.backend import BACKENDS, Control, Options
 from waybound.solvers.engines.risk.supported_paths import shortest_path, supported_paths
 

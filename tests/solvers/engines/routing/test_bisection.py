@@ -1,8 +1,6 @@
 """The largest of all routes by bisection over a limit: the optimum of small problems, the best answer always kept, nothing claimed of what
 was not found."""
 
-from __future__ import annotations
-
 import math
 import time
 from dataclasses import replace

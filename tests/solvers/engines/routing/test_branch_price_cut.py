@@ -1,7 +1,3 @@
-"""The engine: optima with their proofs, starts that are kept, limits that leave an answer and a bound."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 
@@ -11,8 +7,7 @@ from small_routing import plane, small, varied
 from truth.routing import best_values
 
 import waybound as wb
-from waybound.formulations.routing.objective import Objective
-from waybound.instances.errors import UnsupportedError, UsageError
+from waybound import Objective, UnsupportedError, UsageError
 from waybound.solvers.backend import BACKENDS
 from waybound.solving.search_log import counts_of
 

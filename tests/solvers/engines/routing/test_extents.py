@@ -1,7 +1,3 @@
-"""The numbers that stand for all distances are those that a look at all of them finds."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

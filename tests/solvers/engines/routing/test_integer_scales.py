@@ -1,11 +1,8 @@
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.solvers.engines.routing.integer_scales import FINE, UNLIMITED, Scale, Strips, scale_of
 

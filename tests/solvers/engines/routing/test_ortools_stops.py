@@ -1,7 +1,3 @@
-"""Stops on the way in the routing library: it lets pass what the judge lets pass, and nothing else."""
-
-from __future__ import annotations
-
 import itertools
 from dataclasses import replace
 from typing import Any

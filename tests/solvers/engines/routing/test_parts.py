@@ -1,7 +1,3 @@
-"""Searches in parts: that their answers are feasible and their count is right, whatever the problem restricts."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Who has a turn, from which routes, and what is told of it; that answers are right is held by the conformance suite."""
 
-from __future__ import annotations
-
 import contextlib
 import subprocess
 import sys

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import replace
@@ -7,8 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
+from hypothesis import HealthCheck, given, settings, strategies as st
 
 from waybound import Energy, Group, InputError, Route, Routes, RoutingProblem, Shipment, Sites, Travel, VehicleType
 from waybound.instances.routing.instance import ENERGY_CHARGES

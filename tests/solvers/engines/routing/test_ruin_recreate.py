@@ -1,7 +1,5 @@
 """Ruin and recreate: that it finds optima is held by the conformance suite; here is what is its own."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

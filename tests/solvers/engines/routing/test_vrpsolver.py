@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import importlib.machinery
 from dataclasses import replace
 from pathlib import Path
@@ -12,8 +10,7 @@ from small_routing import plane, simplified, small, varied
 from truth.routing import best_values
 
 import waybound as wb
-from waybound import Route, Routes, RoutingProblem, Sites, Travel, VehicleType
-from waybound.formulations.routing.objective import Penalties, TotalCost
+from waybound import Penalties, Route, Routes, RoutingProblem, Sites, TotalCost, Travel, VehicleType
 from waybound.instances.errors import InputError, MissingPackageError, UnsupportedError
 from waybound.instances.routing.travel import EXPLICIT
 from waybound.reports.benchmarks.routing_variants import drawn

@@ -1,7 +1,3 @@
-"""Compiled choices against their definitions."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from scipy.optimize import linear_sum_assignment

@@ -1,7 +1,5 @@
 """The compiled day against the world's, and against what is known of days."""
 
-from __future__ import annotations
-
 import time
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Which bins robots choose and where they bring new ones, step by step."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from orchard_cases import SCHEDULES, retrievals

@@ -1,7 +1,3 @@
-"""Families of risky paths for ratio studies."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import risky_cases as cases

@@ -1,7 +1,3 @@
-"""Families of uncertain paths for ratio studies: their optima, and how far the least mean falls behind below a risk of 1/2."""
-
-from __future__ import annotations
-
 import math
 from statistics import NormalDist
 

@@ -1,14 +1,9 @@
 """Optima of small routing problems: what is beyond enumeration; ``test_routing`` compares those that are found."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.instances.errors import CheckFailedError, UsageError
-from waybound.instances.routing.instance import Sites, VehicleType
-from waybound.instances.routing.travel import Travel
+from waybound import CheckFailedError, RoutingProblem, Sites, Travel, UsageError, VehicleType
 from waybound.reports.ratios.optimum import optimum
 
 

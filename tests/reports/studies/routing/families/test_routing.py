@@ -1,7 +1,3 @@
-"""Routing families: optima as an independent brute force has them, and traps that do what is said of them."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from truth.routing import best_values

@@ -1,7 +1,3 @@
-"""Bottleneck problems of divisible robots: random graphs as they say, and small ones with their optima."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from sata_cases import CASES

@@ -1,7 +1,5 @@
 """Optima of small selection and max-min problems, against plain Python and known cases."""
 
-from __future__ import annotations
-
 import itertools
 import math
 
@@ -12,13 +10,7 @@ from hypothesis import given, settings
 from ratio_strategies import assignments, graphs, selections
 from sata_cases import CASES
 
-from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-from waybound.formulations.sata.max_min_lp import MaxMinLP
-from waybound.formulations.sata.selections import Selection
-from waybound.formulations.sata.submodular_selection import SubmodularSelection
-from waybound.formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
-from waybound.instances.errors import CheckFailedError, UsageError
-from waybound.instances.sata.constraints import Cardinality
+from waybound import BottleneckSATA, Cardinality, CheckFailedError, MaxMinLP, Selection, SubmodularSelection, UsageError, WinnerTakesAllSATA
 from waybound.instances.sata.set_functions import Coverage, UserFunction
 from waybound.reports.ratios.optimum import optimum
 from waybound.reports.studies.sata.families import max_min, optima

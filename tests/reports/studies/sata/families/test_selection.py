@@ -1,7 +1,5 @@
 """Random selection problems: every kind of function and constraint, with what is easily forgotten among them."""
 
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from selection_problems import feasible_sets

@@ -1,7 +1,3 @@
-"""Traps for greedy rules: the good answer is optimal, and greed does exactly as badly as is said."""
-
-from __future__ import annotations
-
 import math
 
 import pytest

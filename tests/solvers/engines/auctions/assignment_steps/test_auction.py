@@ -1,7 +1,3 @@
-"""Bertsekas' auction in whole numbers: optimal, with prices that prove it, whoever bids."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from bin_assignments import enumerated, random_costs, worked

@@ -1,7 +1,3 @@
-"""Prices of an assignment that came without any."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from bin_assignments import random_costs, worked

@@ -1,7 +1,3 @@
-"""Who bids, and the halves of an assignment in which nobody can all be matched."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from bin_assignments import enumerated, random_costs, worked

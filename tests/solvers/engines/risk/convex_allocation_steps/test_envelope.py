@@ -1,7 +1,3 @@
-"""Tangents as columns: the same optimum as tangents as rows, at the start and with further ones."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from risk_problems import problem

@@ -1,7 +1,3 @@
-"""Programs that are changed and solved again: HiGHS and Clarabel say the same."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

@@ -1,7 +1,3 @@
-"""Units: powers of two that bring a problem to the sizes that solvers count in."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from risk_problems import problem

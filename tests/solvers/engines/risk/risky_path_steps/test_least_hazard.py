@@ -1,16 +1,13 @@
-from __future__ import annotations
-
 import math
 
 import numpy as np
 import pytest
 import risky_cases as cases
 
-from waybound.formulations.risk.risky_path import RiskyPath
+from waybound import RiskyGraph, RiskyPath
 from waybound.formulations.stop import NEVER, Stop
 from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.risk.occupancy import OccupancyGrid
-from waybound.instances.risk.risky_graph import RiskyGraph
 from waybound.instances.risk.tether import Tether
 from waybound.instances.risk.traverse_elements import FunctionRisk, TetherRisk, TravelledRisk
 from waybound.solvers.engines.risk.risky_path_steps.least_hazard import least_hazard

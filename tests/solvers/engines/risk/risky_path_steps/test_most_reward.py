@@ -1,14 +1,9 @@
-"""Most reward per risk against enumeration."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 import risky_cases as cases
 
-from waybound.formulations.risk.risky_path import RiskyPath
+from waybound import InputError, RiskyPath
 from waybound.formulations.stop import NEVER
-from waybound.instances.errors import InputError
 from waybound.instances.risk.elements import LocaleRisk
 from waybound.instances.risk.traverse_elements import CollectedRisk
 from waybound.solvers.backend import Control, Options

@@ -1,16 +1,10 @@
-"""Problems and answers as arrays, and back."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from small_routing import small
 
-from waybound import RoutingProblem
-from waybound.formulations.routing.routes import Route, Routes
-from waybound.instances.routing.instance import Sites, VehicleType
+from waybound import Route, Routes, RoutingProblem, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.solvers.engines.routing.routing_integers import integer_routing, with_slope
 from waybound.solvers.engines.routing.ruin_recreate_steps import columns as k

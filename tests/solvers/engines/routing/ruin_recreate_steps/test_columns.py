@@ -1,7 +1,3 @@
-"""Names of columns and flags."""
-
-from __future__ import annotations
-
 from waybound.solvers.engines.routing.ruin_recreate_steps import columns as k
 
 

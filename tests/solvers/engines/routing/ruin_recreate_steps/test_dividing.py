@@ -1,7 +1,3 @@
-"""Parts cover all, lie apart, and weigh about the same."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 

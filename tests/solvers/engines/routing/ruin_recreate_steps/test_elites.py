@@ -1,7 +1,3 @@
-"""Answers made of two others."""
-
-from __future__ import annotations
-
 import numpy as np
 from small_routing import small
 

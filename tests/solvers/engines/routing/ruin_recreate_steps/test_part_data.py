@@ -1,7 +1,3 @@
-"""A part has the numbers of the whole."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""Answers made of the routes of many others."""
-
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterable
 from dataclasses import replace
@@ -14,8 +10,7 @@ import waybound as wb
 from waybound.formulations.routing.routes import Route, Routes
 from waybound.solvers.backend import Control
 from waybound.solvers.engines.routing.routing_integers import searched_integers
-from waybound.solvers.engines.routing.ruin_recreate_steps import columns as k
-from waybound.solvers.engines.routing.ruin_recreate_steps import partition
+from waybound.solvers.engines.routing.ruin_recreate_steps import columns as k, partition
 from waybound.solvers.engines.routing.ruin_recreate_steps.arrays import arrays
 from waybound.solvers.engines.routing.ruin_recreate_steps.partition import Pool
 

@@ -1,7 +1,3 @@
-"""Stations at which stores are filled up between two visits."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""Risks in whole numbers: never less than the judge asks for, and hardly more."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,3 @@
-"""The search keeps its books: whatever it did, all that it remembers of routes is what the routes are."""
-
-from __future__ import annotations
-
 import itertools
 from dataclasses import replace
 

@@ -1,7 +1,3 @@
-"""Walks of routes: a route is kept exactly if the judge has nothing against it, and lasts as long as the judge says."""
-
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -9,10 +5,8 @@ import numpy as np
 import pytest
 from small_routing import varied
 
-from waybound.formulations.routing.problem import RoutingProblem
-from waybound.formulations.routing.routes import Route, Routes
+from waybound import Energy, Route, Routes, RoutingProblem, Shipment, Sites, VehicleType
 from waybound.formulations.routing.schedule import schedule
-from waybound.instances.routing.instance import Energy, Shipment, Sites, VehicleType
 from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.solvers.engines.routing.routing_integers import searched_integers
 from waybound.solvers.engines.routing.ruin_recreate_steps import columns as k

@@ -1,7 +1,3 @@
-"""The guarantee against the optimum, in numbers."""
-
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,13 +1,8 @@
-"""The steps of the proof of the guarantee, one by one, in exact arithmetic on the layered program."""
-
-from __future__ import annotations
-
 from fractions import Fraction as F
 
 import numpy as np
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from truth.local_algorithm import ExactLocal, random_graph, robots_of
 
 

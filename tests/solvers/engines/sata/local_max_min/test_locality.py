@@ -1,7 +1,3 @@
-"""What a robot does depends on what lies within 3h - 2 hops, to the bit."""
-
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from truth.local_algorithm import hops

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import ast
 import inspect
 import warnings
@@ -8,8 +6,7 @@ import numpy as np
 import pytest
 from coded import coded
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from truth.local_algorithm import cycle, random_graph
 
 from waybound.instances.errors import UsageError

@@ -1,7 +1,3 @@
-"""Which levels robots ask each other to test, and what is made of the answers."""
-
-from __future__ import annotations
-
 import math
 
 import numpy as np

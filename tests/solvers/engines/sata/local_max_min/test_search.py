@@ -1,12 +1,9 @@
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
-from hypothesis import strategies as st
+from hypothesis import given, strategies as st
 
 from waybound.instances.generating import generate
 from waybound.instances.sata.sensing_graph import SensingGraph

@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from fractions import Fraction as F
@@ -8,8 +6,7 @@ import numpy as np
 import pytest
 from coded import coded
 from draws import draws
-from hypothesis import example, given, settings
-from hypothesis import strategies as st
+from hypothesis import example, given, settings, strategies as st
 from random_sensing import optimum
 from sata_cases import CASES, relabelled
 from truth.local_algorithm import FIGURE_33, ExactLocal, Robots, cycle, graph_of, random_graph, regular_tree, robots_of

@@ -1,14 +1,9 @@
-"""Programs of several packing rows a variable: both sides are proved, and close around the optimum."""
-
-from __future__ import annotations
-
 import warnings
 
 import numpy as np
 import pytest
 from draws import draws
-from hypothesis import given, settings
-from hypothesis import strategies as st
+from hypothesis import given, settings, strategies as st
 from patience import HANG
 
 import waybound as wb

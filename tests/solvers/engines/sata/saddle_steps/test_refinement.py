@@ -1,5 +1,3 @@
-from __future__ import annotations
-
 import numpy as np
 import pytest
 from random_sensing import chain_graph, even_graph, optimum, random_graph
