@@ -86,6 +86,12 @@ def needed_resources(problem: RoutingProblem, prep: Preparation, connected: bool
     return chosen
 
 
+def beyond_rounding(difference: Floats, *terms: Floats) -> NDArray[np.bool_]:
+    """Where a difference of these terms exceeds 0 by more than rounding: a coefficient of 1e-16 makes solvers scale its row beyond use."""
+    size: Floats = np.sum([np.abs(np.where(np.isfinite(term), term, 0.0)) for term in terms], axis=0)
+    return np.asarray(difference > 8.0 * math.ulp(1.0) * size)
+
+
 class ArcColumns(Blocks):
     """A column an arc, and the other columns and rows of one program, block after block."""
 
@@ -159,15 +165,15 @@ class ArcColumns(Blocks):
         if not r.waits:
             back = ArcIndex(prep).find(j, i)
             lift = np.where(back >= 0, big[arc] - w[arc] - w[back], 0.0)
-            keep = lift > 0
+            keep = beyond_rounding(lift, big[arc], w[arc], np.where(back >= 0, w[back], 0.0))
             parts.append((row[keep], back[keep], lift[keep]))
         self.add_rows(r.name, (i, j), parts, upper=big[arc] - w[arc])
 
-        rise = np.maximum(0.0, lo[prep.tail] + w - lo[prep.head])
-        arc = self.arcs[(prep.head != prep.end) & (rise > 0)]
+        rise = lo[prep.tail] + w - lo[prep.head]
+        arc = self.arcs[(prep.head != prep.end) & beyond_rounding(rise, lo[prep.tail], w, lo[prep.head])]
         self._bounding(f"{r.name}-earliest", prep.head[arc], arc, -rise[arc], level, lower=lo)
         drop = up[prep.tail] - np.minimum(up[prep.tail], up[prep.head] - w)
-        arc = self.arcs[(prep.tail != 0) & (drop > 0)]
+        arc = self.arcs[(prep.tail != 0) & beyond_rounding(drop, up[prep.tail], up[prep.head], w)]
         self._bounding(f"{r.name}-latest", prep.tail[arc], arc, drop[arc], level, upper=up)
 
         def encode(x: Floats, nodes: Longs, arcs: Longs) -> None:

@@ -1,6 +1,7 @@
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from oracles import SQUARE_4, TW_4, agrees, optimum, routing, small_problems
@@ -37,6 +38,14 @@ def test_circuit_from_text_to_text(tmp_path: Path) -> None:
         1 <= load[b] <= 4
         5 <= distance[b] <= 7
     """)
+
+
+def test_differences_that_are_rounding_are_no_coefficients() -> None:
+    """Sites in a line: what a detour adds is 1e-16, by which a row was scaled so far that CP-SAT's point seemed to break it."""
+    problem = routing(xy=np.array([(1, 2), (2, 3), (5, 6), (0, 0), (0, 0)], dtype=float), max_distance=13.0)
+    program = problem.compile("circuit").program
+    assert np.abs(program.data).min() > 0.1
+    agrees(problem, "circuit", optimum(problem))
 
 
 OPTIONAL = """
