@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..instances.errors import InputError, WayboundError, in_words
+from ..instances.printable import printable
+from ..instances.text import an
 from .tolerance import EQUAL, same
 
 
@@ -152,3 +156,15 @@ def judge(
     wrong = np.nonzero(residual > allowed)[0].tolist()
     worst = float(residual.max(initial=0.0))
     return Check(check, not wrong, worst, len(residual)), [Violation(check, message(k), float(residual[k])) for k in wrong]
+
+
+@contextmanager
+def input_errors(problem: str) -> Iterator[None]:
+    """Raises InputError for whatever the code of a family of problems fails at in the block: users may hand over anything as an answer."""
+    try:
+        yield
+    except (WayboundError, MemoryError):
+        raise
+    except Exception as fault:
+        why = printable(in_words(fault), 120)
+        raise InputError(f"it fails as an answer to {an(problem)} problem", found=why) from fault

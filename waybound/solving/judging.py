@@ -60,9 +60,9 @@ class Claim:
     def values(self, levels: int) -> tuple[float, ...]:
         """Claimed values of the best answer, one a level; those of the returned answer where none are claimed; empty without either."""
         said = self.said
-        told = () if said.objective is None else (said.objective, *(level.objective for level in said.further))
-        if len(told) == levels:
-            return told
+        claimed = () if said.objective is None else (said.objective, *(level.objective for level in said.further))
+        if len(claimed) == levels:
+            return claimed
         return self.own.values if self.own is not None and self.own.feasible else ()
 
     def bound(self, levels: int) -> float | None:
@@ -158,8 +158,8 @@ def _refuted(claim: Claim, senses: Sequence[str], best: Evaluation | None, certi
                 yield f"the optimum {values[apart]!r}{there}, but an answer of value {best.values[apart]!r}{there} passed every check"
         for level, further in claim.concerned(senses, best):
             if further.bound is not None and _beaten(claim, senses, best, level, further.bound):
-                found = f"an answer of value {best.values[level]!r} there passed every check"
-                yield f"the bound {further.bound!r} at level {level + 1}, but {found}"
+                passed_there = f"an answer of value {best.values[level]!r} there passed every check"
+                yield f"the bound {further.bound!r} at level {level + 1}, but {passed_there}"
     if exactness.answer_is_valid:
         size = 0.0 if best is None else best.size
         if status == "optimal" and values and verified is not None:
@@ -271,7 +271,11 @@ class Judge:
         return None, None
 
     def consider(self, raw: Any, whose: str, decode: Callable[[Any], Any] | None = None, *, claimed: bool = False) -> Evaluation | None:
-        """Judge a candidate, which ``decode`` makes an answer where it was not found in the solver's own terms; None if it is none."""
+        """Evaluate a candidate and remember it; None if it cannot be decoded or judged, which is noted.
+
+        ``whose`` names it in messages; a ``claimed`` answer that is none is a fault. ``decode`` turns ``raw`` into an answer, by default as
+        for the solver's own results.
+        """
         if raw is None:
             return None
         decode = decode or self.decode
