@@ -288,21 +288,21 @@ def check_certificate(problem: Problem, data: Mapping[str, Any], evaluation: Eva
                 f"the certificate is for another instance: its {key} differs", "foreign", expected=own, found=printable(data.get(key), 80)
             )
     evidence = stated_evidence(data)
-    made = certify(problem, evaluation, evidence)
-    if data.get("infeasible") and not made.infeasible:
+    recomputed = certify(problem, evaluation, evidence)
+    if data.get("infeasible") and not recomputed.infeasible:
         raise CheckFailedError("the certificate states that there is no answer, its evidence does not prove it")
-    if data.get("unbounded") and not made.unbounded:
+    if data.get("unbounded") and not recomputed.unbounded:
         raise CheckFailedError("the certificate states that there is no best answer, its evidence does not prove it")
-    compare_answer(data, evaluation, infeasible=made.infeasible)
-    if data.get("bound") is not None and not made.infeasible:
-        _compare_bound(problem, real(data["bound"], "bound"), made.bound, "the certificate")
+    compare_answer(data, evaluation, infeasible=recomputed.infeasible)
+    if data.get("bound") is not None and not recomputed.infeasible:
+        _compare_bound(problem, real(data["bound"], "bound"), recomputed.bound, "the certificate")
     for piece in evidence:
-        _compare_evidence(problem, piece, made)
+        _compare_evidence(problem, piece, recomputed)
     levels = check_levels(problem, data.get("levels"), evaluation, data.get("objective") is not None)
     if levels:
-        made = replace(made, levels=levels) if evaluation is None else with_levels(made, evaluation, levels)
-    _compare_figures(data, made)
-    return replace(made, from_file=True, stated_guarantee=stated_guarantee(data))
+        recomputed = replace(recomputed, levels=levels) if evaluation is None else with_levels(recomputed, evaluation, levels)
+    _compare_figures(data, recomputed)
+    return replace(recomputed, from_file=True, stated_guarantee=stated_guarantee(data))
 
 
 def _compare_bound(problem: Problem, stated: float, proved: float | None, who: str) -> None:

@@ -133,12 +133,12 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
         if len(self.declared) == 1:
             self.make()
             return self  # called again, now that it converts what it is given
-        given = [self.typeof_pyval(value) for value in args]
+        types = [self.typeof_pyval(value) for value in args]
         for signature in self._signatures():
             wanted = sigutils.normalize_signature(signature)[0]
-            if all(self.typingctx.can_convert(one, other) is not None for one, other in zip(given, wanted, strict=True)):
+            if all(self.typingctx.can_convert(one, other) is not None for one, other in zip(types, wanted, strict=True)):
                 return self.compile(signature)
-        raise TypeError(f"{self.title} is declared for {' or '.join(self.declared)}, not for ({', '.join(map(str, given))})")
+        raise TypeError(f"{self.title} is declared for {' or '.join(self.declared)}, not for ({', '.join(map(str, types))})")
 
     def _signatures(self) -> list[Any]:
         if self._parsed is None:
@@ -172,16 +172,16 @@ def kernel(*declared: str, **options: Any) -> Callable[[Callable[..., Any]], Ker
 
     def made(function: Callable[..., Any]) -> Kernel:
         try:
-            found = numba.njit(cache=True, **options)(function)
-            found._cache.save_overload = _forgiving(found._cache.save_overload)
-            kept = found._cache._cache_file
+            dispatcher = numba.njit(cache=True, **options)(function)
+            dispatcher._cache.save_overload = _forgiving(dispatcher._cache.save_overload)
+            kept = dispatcher._cache._cache_file
             kept._source_stamp = (kept._source_stamp, *_stamps(function))
         except (RuntimeError, OSError):  # RuntimeError is numba's word for "no locator available": nowhere to keep the cache
-            found = numba.njit(**options)(function)
-        found.__class__ = Kernel
-        found._compiler._customize_flags = _Flags
-        found.declared = declared
-        return found  # type: ignore[no-any-return]
+            dispatcher = numba.njit(**options)(function)
+        dispatcher.__class__ = Kernel
+        dispatcher._compiler._customize_flags = _Flags
+        dispatcher.declared = declared
+        return dispatcher  # type: ignore[no-any-return]
 
     return made
 
@@ -217,7 +217,7 @@ def kernel_modules(above: str = __name__.partition(".")[0]) -> Iterator[str]:
 
 @contextlib.contextmanager
 def _uncollected() -> Iterator[None]:
-    """Without the collector of garbage: nearly all that a compiler makes is used, and looking through it takes a tenth of its time."""
+    """Switch garbage collection off while a kernel is compiled: it would take a tenth of the time, and find next to nothing to collect."""
     collecting = gc.isenabled()
     gc.disable()
     try:
@@ -239,7 +239,7 @@ class _Uncoloured:
 
 @contextlib.contextmanager
 def _uncoloured() -> Iterator[None]:
-    """Without colours in numba's errors: it makes and drops tens of thousands on its way, and asks the terminal for each."""
+    """Switch off colours in numba's errors: it raises and drops tens of thousands while it compiles, and asks the terminal for each."""
     before = errors.termcolor()
     errors._termcolor_inst = _Uncoloured()  # type: ignore[attr-defined]
     try:
@@ -250,7 +250,7 @@ def _uncoloured() -> Iterator[None]:
 
 @contextlib.contextmanager
 def _remembering() -> Iterator[None]:
-    """With what an operator returns for given types remembered: numba asks all that it knows of that operator each time it meets one."""
+    """Cache the type that an operator returns for given types: numba searches all definitions of the operator at each use."""
     before = types.Function.get_call_type
     if before.__module__ == __name__:
         yield

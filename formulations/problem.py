@@ -74,7 +74,7 @@ class Problem(ABC):
         """Hash of all data that an answer's value and feasibility depend on."""
 
     def digest_later(self) -> Callable[[], str] | str:
-        """The digest, or, where the data are large and nobody can change them meanwhile, who makes it when it is asked for."""
+        """The digest, or a function that computes it when it is asked for, where the data are large and cannot change meanwhile."""
         return self.digest()
 
     @abstractmethod
@@ -104,12 +104,12 @@ class Problem(ABC):
         return tuple(self.notes)
 
     def _repr_html_(self) -> str:
-        told = plotting.tell(self)
-        return as_html(told.title, [Line(*row) for row in told.rows])
+        description = plotting.tell(self)
+        return as_html(description.title, [Line(*row) for row in description.rows])
 
     def __rich__(self) -> Any:
-        told = plotting.tell(self)
-        return as_rich(told.title, [Line(*row) for row in told.rows])
+        description = plotting.tell(self)
+        return as_rich(description.title, [Line(*row) for row in description.rows])
 
     @property
     def size(self) -> int:
@@ -117,7 +117,7 @@ class Problem(ABC):
         return 0
 
     def linear_entries(self) -> int:
-        """About the fewest coefficients that a linear form of it has, for who budgets; 0 where nothing tells."""
+        """About the least number of coefficients of a linear form of the problem, for callers with a budget; 0 if it is not known."""
         return 0
 
     def infeasibility_reasons(self, stopped: Callable[[], bool] = lambda: False) -> Iterator[Reason]:

@@ -43,14 +43,14 @@ def relative_gap(objective: Value | None, bound: Value | None, sizes: Sequence[f
         return None
     values = list(objective) if isinstance(objective, list) else [objective]
     bounds = list(bound) if isinstance(bound, list) else [bound]
-    found: float | None = None
+    widest: float | None = None
     for value, limit, size in zip(values, bounds, sizes or [0.0] * len(values), strict=True):
         if value is None or limit is None:
             return None
-        found = gap(value, limit, size, precision)
+        widest = gap(value, limit, size, precision)
         if not same(value, limit, size):
-            return found
-    return found
+            return widest
+    return widest
 
 
 @dataclass(frozen=True)
@@ -225,8 +225,8 @@ class Solution:
         import pandas as pd
 
         self._need_answer()
-        left = [(one.where, one.reason, one.proved) for one in self.problem.left_out(self.answer)]
-        return pd.DataFrame(left, columns=["where", "reason", "proved"])
+        rows = [(one.where, one.reason, one.proved) for one in self.problem.left_out(self.answer)]
+        return pd.DataFrame(rows, columns=["where", "reason", "proved"])
 
     def plot(self, *, ax: Any = None, title: str | None = None, **options: Any) -> Any:
         """Draw the answer.
@@ -349,8 +349,8 @@ class Solution:
 
     def _lines(self) -> list[Line]:
         """The answer, then what is known of it."""
-        told = [] if self.answer is None else self.problem.answer_lines(self.answer)
-        return [*told, *solution_lines(self)]
+        answer = [] if self.answer is None else self.problem.answer_lines(self.answer)
+        return [*answer, *solution_lines(self)]
 
 
 # -- for people ------------------------------------------------------------------------------------------------------------

@@ -100,9 +100,9 @@ class Stop:
 
     def after(self, seconds: float) -> Stop:
         """Ends after ``seconds``, whatever the deadline of this one, or when it is asked to: for what is done when the time is up."""
-        made = Stop(seconds)
-        made._wish = self._wish
-        return made
+        stop = Stop(seconds)
+        stop._wish = self._wish
+        return stop
 
     @contextmanager
     def telling(self, end: Callable[[], None]) -> Iterator[None]:
@@ -132,10 +132,10 @@ class Stop:
         if self._flag is None:
             self._flag = np.zeros(1, np.int64)
             self._wish.tell(self._flag)
-            left = self.seconds_left
-            if left <= 0.0:
+            seconds_left = self.seconds_left
+            if seconds_left <= 0.0:
                 self._flag[0] = 1
-            elif left < threading.TIMEOUT_MAX:
+            elif seconds_left < threading.TIMEOUT_MAX:
                 _CLOCK.set_at(self._end, self._flag)
         return self._flag
 
@@ -172,9 +172,9 @@ class _Clock:
     def _run(self) -> None:
         with self._earlier:
             while True:
-                left = self._due[0][0] - now() if self._due else threading.TIMEOUT_MAX
-                if left > 0.0:
-                    self._earlier.wait(left + _LOOK if _stood[2] else left)
+                seconds_left = self._due[0][0] - now() if self._due else threading.TIMEOUT_MAX
+                if seconds_left > 0.0:
+                    self._earlier.wait(seconds_left + _LOOK if _stood[2] else seconds_left)
                 else:
                     _set(heapq.heappop(self._due)[2])
 
@@ -236,19 +236,19 @@ if hasattr(os, "register_at_fork"):  # a forked process has no thread but the on
     os.register_at_fork(after_in_child=_wind_up)
 
 NEVER = Stop()
-"""For whoever has nobody to ask; nobody asks it."""
+"""The default: a stop that is never reached."""
 
 _CURRENT: ContextVar[Stop] = ContextVar("stop", default=NEVER)
 
 
 def current_stop() -> Stop:
-    """That of the innermost block ``until``; ``NEVER`` outside of all."""
+    """The stop of the innermost ``until`` block; ``NEVER`` outside any."""
     return _CURRENT.get()
 
 
 @contextmanager
 def until(stop: Stop) -> Iterator[None]:
-    """Within the block checkers that may take long give up when ``stop`` is reached, and then prove nothing."""
+    """Let slow checkers within the block give up when ``stop`` is reached; they then prove nothing."""
     token = _CURRENT.set(stop)
     try:
         yield

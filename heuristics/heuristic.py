@@ -37,7 +37,7 @@ class Context:
     stop : Stop
         The wish to end; ``context.begin()`` adds the time.
     linear : LinearPrograms
-        Who solves the linear programs that it meets.
+        The solver for linear programs that it meets.
     """
 
     rng: np.random.Generator
@@ -159,8 +159,8 @@ class HeuristicWork:
             rng=np.random.default_rng(o.seed), time_limit=o.time_limit, start=o.start, publish=control.publish, stop=stop,
             linear=LinearPrograms(o.lp_solver, o.seed, o.threads),
         )  # fmt: skip
-        found = self.method.run(self.problem, context, **o.extra)
+        outcome = self.method.run(self.problem, context, **o.extra)
         return RawResult(
-            "unknown", found.limit, found.answer, statistics=found.statistics, message=found.message, evidence=found.evidence,
-            holds=Exactness.NEITHER, guarantee=found.guarantee,
+            "unknown", outcome.limit, outcome.answer, statistics=outcome.statistics, message=outcome.message, evidence=outcome.evidence,
+            holds=Exactness.NEITHER, guarantee=outcome.guarantee,
         )  # fmt: skip

@@ -52,7 +52,7 @@ class Options:
     no_improvement : int, optional
         Iterations without a better answer after which a search ends.
     lp_solver : str
-        Who solves the linear programs that an engine meets on its way.
+        The solver for linear programs that an engine meets on its way.
     extra : dict
         The solver's own options (``--option KEY=VALUE``); unknown ones raise UsageError.
     """
@@ -70,8 +70,8 @@ class Options:
 
     def asked(self) -> dict[str, Any]:
         """The limits that are set and that not every method keeps to, by name."""
-        given = {"iterations": self.iterations, "no_improvement": self.no_improvement, "gap": self.gap or None}
-        return {name: value for name, value in given.items() if value is not None}
+        limits = {"iterations": self.iterations, "no_improvement": self.no_improvement, "gap": self.gap or None}
+        return {name: value for name, value in limits.items() if value is not None}
 
 
 @dataclass(frozen=True)
@@ -189,7 +189,7 @@ class Control:
             end()
 
     def close(self) -> None:
-        """Hear nothing any more: who waited has given up, and takes what was published until now."""
+        """Ignore all that is published from now on: the caller has stopped waiting, and takes what was published so far."""
         with self._lock:
             self._closed = True
 
@@ -360,7 +360,7 @@ class Engine(Backend):
     bounds_itself: ClassVar[bool] = False
 
     def needs(self, problem: Problem) -> Needs:
-        """All that who chooses an engine asks it about ``problem``, at once."""
+        """Whether the engine can take ``problem``, and what a run would need, in one answer."""
         missing = self.missing(problem)
         return Needs(missing) if missing else Needs(missing, self.memory(problem), self.set_up_seconds(problem), self.apart(problem))
 
@@ -394,7 +394,7 @@ class Engine(Backend):
         return 0.0
 
     def set_up_seconds(self, problem: Problem) -> float:
-        """About how long that takes to be made, for who decides whether to begin at all."""
+        """About how many seconds its own model of ``problem`` takes to build; decides whether a run is begun at all."""
         return 0.0
 
     @abstractmethod

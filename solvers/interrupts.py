@@ -74,7 +74,7 @@ def reset() -> None:
 
 @contextlib.contextmanager
 def held() -> Iterator[None]:
-    """Within this block the first signal is only noted: whoever searches looks at ``received``, and what was found is kept.
+    """Within this block the first signal is only noted: the search looks at ``received``, and its answer so far is kept.
 
     The command line's signals are held. So is Ctrl-C elsewhere, in the main thread and where nobody else takes it; it is forgotten at
     the end of the outermost block, which is what asked for the search.

@@ -178,10 +178,10 @@ class _Child:
         """Message about a child that ended without a result."""
         code = self.process.wait()
         self.output.seek(0)
-        said = self.output.read()[-2000:].decode(errors="replace").strip()
-        last = said.splitlines()[-1] if said else ""
+        text = self.output.read()[-2000:].decode(errors="replace").strip()
+        last = text.splitlines()[-1] if text else ""
         limit = self.options.memory_limit
-        if limit is not None and lacked_memory(said):
+        if limit is not None and lacked_memory(text):
             return self._from_incumbents(f"the memory limit of {limit:g} MB was reached: {last}", "memory")
         how = f"was ended by {signal.Signals(-code).name}" if code < 0 else f"ended with code {code}"
         return self._from_incumbents(f"the solver's process {how}" + (f": {last}" if last else ""))

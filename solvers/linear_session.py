@@ -139,8 +139,8 @@ class LinearSession:
             if status == s.kTimeLimit:
                 continue
             if status in (s.kOptimal, s.kModelEmpty):
-                found = model.getSolution()
-                x, duals, reduced = (np.array(part) for part in (found.col_value, found.row_dual, found.col_dual))
+                point = model.getSolution()
+                x, duals, reduced = (np.array(part) for part in (point.col_value, point.row_dual, point.col_dual))
                 return LinearResult("optimal", float(info.objective_function_value), x, duals, reduced=reduced)
             if status == s.kInfeasible:
                 _, known, ray = model.getDualRay()

@@ -35,7 +35,7 @@ def own_options(
     word : str
         What the solver calls an option.
     """
-    made = {}
+    options = {}
     for name, value in given.items():
         if common and name in common:
             raise UsageError(f"{label}: set {common[name]} by its own option, not by {name}")
@@ -43,10 +43,10 @@ def own_options(
             raise UsageError(f"{label} has no {word} {name!r}{_hint(name, known)}", "unknown-name")
         kind = type(known[name])
         try:
-            made[name] = value if known[name] is None else _converted(value, kind)
+            options[name] = value if known[name] is None else _converted(value, kind)
         except (KeyError, TypeError, ValueError, OverflowError):
             raise UsageError(f"{label}: {word} {name} takes {an(WORDS.get(kind, kind.__name__))}, not {value!r}", "malformed") from None
-    return made
+    return options
 
 
 WORDS: dict[type, str] = {bool: "truth value", int: "whole number", float: "number", str: "text"}

@@ -111,7 +111,7 @@ class ProgramBackend(Backend):
         return tidied.then((UNITS, *self.reductions))
 
     def refusal(self, missing: Iterable[str], program: Program) -> UnsupportedError:
-        """That ``program`` cannot be taken, and who can."""
+        """The error that says why ``program`` cannot be taken, and names the solvers that can."""
         able = [name for name in takers(program.features(), self.label) if not solver_named(name).missing(program)]  # type: ignore[attr-defined]
         return UnsupportedError(self.label, set(missing), able)
 
@@ -143,8 +143,8 @@ class ProgramBackend(Backend):
         relay, began = _Relay(control, chain), time.perf_counter()
         said = self.search(chain.program, replace(options, start=start), relay)
         if said.status == "infeasible_or_unbounded":
-            left = options.time_limit - (time.perf_counter() - began)
-            said = replace(said, status=self._which(chain.program, replace(options, time_limit=left), control))
+            seconds_left = options.time_limit - (time.perf_counter() - began)
+            said = replace(said, status=self._which(chain.program, replace(options, time_limit=seconds_left), control))
         result = self._concluded(chain.program, said, relay)
         answer = None if result.answer is None else np.asarray(chain.vector(result.answer), dtype=np.float64)
         objective = None if answer is None else program.value(answer)
@@ -277,5 +277,5 @@ def kinds_of(backend: type[ProgramBackend]) -> list[str]:
 def takers(features: frozenset[str], but: str = "") -> list[str]:
     """Installed solvers that take programs of ``features``, other than ``but``."""
     backends = [BACKENDS[name] for name in BACKENDS]
-    found = [n for b in backends if issubclass(b, ProgramBackend) and b.installed() for n in b.takers(features)]
-    return [name for name in found if name != but]
+    able = [n for b in backends if issubclass(b, ProgramBackend) and b.installed() for n in b.takers(features)]
+    return [name for name in able if name != but]

@@ -341,10 +341,10 @@ def bound(problem: Problem, *, bound_time: float = 60.0, seed: int = 1, threads:
     check_whole("seed", seed)
     check_whole("threads", threads, least=1)
     unable: list[str] = []
-    made, _, _ = bound_alone(problem, bound_time, linear_programs(lp_solver, seed, threads), unable)
+    certificate, _, _ = bound_alone(problem, bound_time, linear_programs(lp_solver, seed, threads), unable)
     for line in unable:
         warnings.warn(line, RuntimeWarning, stacklevel=2)
-    return made
+    return certificate
 
 
 def explain(problem: Problem | Compiled | Program, *, time_limit: float = 60.0, form: str | None = None) -> Explanation:

@@ -57,12 +57,12 @@ def graph_of(communication: str, robots: int) -> NDArray[np.bool_]:
     number = np.arange(robots)
     apart = np.abs(number[:, None] - number)
     if communication == "complete":
-        heard = apart > 0
+        connected = apart > 0
     elif communication == "star":
-        heard = (apart > 0) & ((number[:, None] == 0) | (number == 0))
+        connected = (apart > 0) & ((number[:, None] == 0) | (number == 0))
     else:
-        heard = (apart == 1) | ((apart == robots - 1) & (robots > 1) & (communication == "ring"))
-    return np.asarray(heard)
+        connected = (apart == 1) | ((apart == robots - 1) & (robots > 1) & (communication == "ring"))
+    return np.asarray(connected)
 
 
 def _agree(problem: TaskAllocation, communication: str, most: int | None, stop: Stop) -> Consensus:

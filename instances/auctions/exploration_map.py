@@ -130,8 +130,8 @@ class ExplorationMap(Declared):
                 f"no doors lead from a robot to {len(alone)} of the {self.num_rooms} rooms: {names}", "contradiction",
                 expected="doors to every room",
             )  # fmt: skip
-        heard = np.nonzero(_reached(self.linked, np.array([self.base])))[0]
-        lost = np.nonzero(~_reached(doors, heard)[self.starts])[0]
+        reached = np.nonzero(_reached(self.linked, np.array([self.base])))[0]
+        lost = np.nonzero(~_reached(doors, reached)[self.starts])[0]
         if len(lost):
             raise InputError(
                 f"robot {lost[0] + 1} can enter no room from which links lead to the base", "contradiction", expected="doors or links to it"

@@ -14,7 +14,7 @@ from ..errors import InputError
 Floats = NDArray[np.float64]
 
 SEMIDEFINITE = 1e-9
-"""Part of its largest eigenvalue by which the least one of a covariance may lie below 0: rounding of whoever made it."""
+"""Part of its largest eigenvalue by which the least one of a covariance may lie below 0, as rounding makes it."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -142,7 +142,7 @@ class LinearConstraint(Constraint):
         self.rows(elements).check(elements)
 
     def allows(self, masks: Masks) -> NDArray[np.bool_]:
-        """To the bit; ``formulations.sata.feasibility`` allows for the rounding of sums."""
+        """Whether each set keeps the constraint exactly; ``formulations.sata.feasibility`` allows for the rounding of sums."""
         rows = self.rows(masks.shape[1])
         return np.asarray((rows.totals(masks) <= rows.limit).all(axis=1))
 

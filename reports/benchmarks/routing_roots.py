@@ -37,7 +37,7 @@ CASES: dict[str, tuple[Travel, int, float, Composable]] = {
 
 
 def case(name: str) -> wb.RoutingProblem:
-    """One of ``CASES``."""
+    """The problem of that name in ``CASES``."""
     travel, vehicles, limit, objective = CASES[name]
     return wb.RoutingProblem(wb.Sites.of(range(len(travel))), travel, (wb.VehicleType(vehicles, max_distance=limit),), objective, name=name)
 

@@ -187,10 +187,10 @@ def _first(value: Any) -> Any:
 
 
 def _documents(s: Solution) -> dict[str, str]:
-    told = {key: value for key, value in s.to_json().items() if key != "certificate"}
+    solution = {key: value for key, value in s.to_json().items() if key != "certificate"}
     events = [[e.seconds, e.phase, e.objective, e.bound, e.bound_kind, e.found_by] for e in s.events]
-    held = {"solution": told, "certificate": s.certificate.to_json(with_evidence=True), "history": events}
-    return {name: json.dumps(finite(data), ensure_ascii=False) for name, data in held.items()}
+    documents = {"solution": solution, "certificate": s.certificate.to_json(with_evidence=True), "history": events}
+    return {name: json.dumps(finite(data), ensure_ascii=False) for name, data in documents.items()}
 
 
 def _load(setting: Setting) -> None:

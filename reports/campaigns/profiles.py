@@ -61,9 +61,9 @@ def _by_case(runs: pd.DataFrame, cost: pd.Series[float]) -> pd.DataFrame:
 
     methods = pd.Categorical(runs["who"])
     rows = runs.groupby(["case", "seed"], sort=False).ngroup().to_numpy()
-    made = np.full((rows.max() + 1 if len(rows) else 0, len(methods.categories)), np.nan)
-    np.fmin.at(made, (rows, methods.codes), cost.to_numpy(dtype=np.float64))
-    return pd.DataFrame(made, columns=list(methods.categories))
+    table = np.full((rows.max() + 1 if len(rows) else 0, len(methods.categories)), np.nan)
+    np.fmin.at(table, (rows, methods.codes), cost.to_numpy(dtype=np.float64))
+    return pd.DataFrame(table, columns=list(methods.categories))
 
 
 def draw_profile(shares: pd.DataFrame, measure: str, ax: Any) -> Any:

@@ -17,7 +17,7 @@ Told = Callable[[int, int, str], None]
 
 
 class Workers(Protocol):
-    """Whoever does runs: processes of this machine (``run_processes.py``) or a cluster (``dask_cluster.py``)."""
+    """Does the runs of a campaign: processes of this machine (``run_processes.py``) or a cluster (``dask_cluster.py``)."""
 
     def outcomes(self, tasks: Iterator[tuple[Planned, Task]]) -> Iterator[tuple[Planned, Outcome]]:
         """Each run with its outcome, in the order in which they end; tasks are taken as they can be done."""

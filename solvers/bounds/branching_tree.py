@@ -278,12 +278,12 @@ def branching_tree_bound(
     most = ENTRIES_PER_SECOND * stop.seconds_left
     if stop.reached() or problem.linear_entries() > most:
         return None
-    made = next((m for m in map(problem.compile, problem.forms()) if _takes(m)), None)
-    if made is None or len(made.program.data) > most:
+    compiled = next((m for m in map(problem.compile, problem.forms()) if _takes(m)), None)
+    if compiled is None or len(compiled.program.data) > most:
         return None
-    tree = _Tree(made, target, stop, 1 if linear is None else linear.seed)
+    tree = _Tree(compiled, target, stop, 1 if linear is None else linear.seed)
     tree.grow()
-    return tree.evidence(made.form)
+    return tree.evidence(compiled.form)
 
 
 def _takes(made: Compiled) -> bool:

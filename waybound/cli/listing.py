@@ -1,4 +1,4 @@
-"""``waybound info, solvers, heuristics, instances``: what an instance holds, who can take it, and who can be believed."""
+"""``waybound info, solvers, heuristics, instances``: what an instance holds, the methods that take it, and what they guarantee."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ def info(source: Source, json: Json = False, verbose: Verbose = False) -> None:
     from ..reports.tables.listing import heuristics_table, solvers_table
     from ..solving.listing import heuristic_table, solver_table
 
-    instance, asked = source.read_both()
-    data = facts(asked)
-    able, approximate = solver_table(asked), heuristic_table(asked)
+    instance, problem = source.read_both()
+    data = facts(problem)
+    able, approximate = solver_table(problem), heuristic_table(problem)
     if json:
         listed = {"solvers": [dataclasses.asdict(i) for i in able], "heuristics": [dataclasses.asdict(i) for i in approximate]}
         print_json({"format": instance.format, "problems": list(instance.problems), **data, **listed})
@@ -202,7 +202,7 @@ def list_all(json: Json = False, verbose: Verbose = False) -> None:
 @instances.command()
 @handled
 def path(name: Name, verbose: Verbose = False) -> None:
-    """Where a bundled instance lies."""
+    """Print the path of a bundled instance."""
     from ..instances.bundled import bundled_path
 
     print_text(str(bundled_path(name)))

@@ -340,7 +340,7 @@ def _walked(problem: RiskyPath, own: FollowingMoves, best: float) -> float | Non
 
 
 def _rest(rewards: list[float], total: float, path: tuple[int, ...]) -> float:
-    """At least the rewards of the states that are not on ``path``, but for a rounding in proportion."""
+    """Upper bound, up to relative rounding, on the total reward of the states that are not on ``path``."""
     rest = total - math.fsum(rewards[state] for state in path)
     if rest > CANCELLED * total:
         return rest + 2.0 * _EPS * total

@@ -165,7 +165,7 @@ def fewest_carriers(problem: RoutingProblem, groups: Sequence[Longs]) -> list[in
 
 
 def _room(problem: RoutingProblem, capacities: Sequence[float]) -> Floats:
-    """At least what one, two, ... vehicles carry, the largest first."""
+    """Upper bounds on what one, two, ... vehicles carry together, the largest first."""
     customers = len(problem.sites.customers)
     counts = [customers if v.count is None else min(v.count, customers) for v in problem.fleet]
     each = np.array(capacities)
@@ -268,7 +268,7 @@ def carried_loads(problem: RoutingProblem, usable: Flags) -> list[Resource]:
     loaded: whoever is visited next adds his delivery to it, and it is no less than what has been collected.
     """
     problem = without_stops(problem)
-    sites, at, found = problem.sites, problem.sites.customers, list[Resource]()
+    sites, at, resources = problem.sites, problem.sites.customers, list[Resource]()
     zeros = np.zeros(len(at) + 1)
     for k in range(sites.dimensions):
         capacity = max((v.capacities[k] if k < len(v.capacities) else math.inf) for v in problem.fleet)
@@ -284,9 +284,9 @@ def carried_loads(problem: RoutingProblem, usable: Flags) -> list[Resource]:
         }
         tight = narrowed(made, usable.copy()) if made else {}
         collected = tight.get("1")
-        found += [replace(tight["0"], above=collected)] if "0" in tight else []
-        found += [collected] if collected is not None else []
-    return found
+        resources += [replace(tight["0"], above=collected)] if "0" in tight else []
+        resources += [collected] if collected is not None else []
+    return resources
 
 
 def order_resource(customers: int) -> Resource:

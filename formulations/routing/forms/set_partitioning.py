@@ -239,7 +239,7 @@ class _RouteColumns(Blocks):
         return (exact or good)[0]
 
     def _worth(self, r: Priced) -> tuple[float, ...]:
-        """All that counts, less being better."""
+        """All criteria of a route, each to be minimised."""
         signs = [1.0 if sense == "min" else -1.0 for sense in self.problem.senses]
         shares = [sign * _share(r, level) for sign, level in zip(signs, self.levels, strict=True)]
         risk = () if self.problem.team_risk is None else (r.overrun,)

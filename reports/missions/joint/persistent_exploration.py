@@ -91,13 +91,13 @@ class PersistentExploration(Mission):
         starts = [(h.o.base, 0.0), *((plan.cell, plan.end) for plan in aloft)]
         begin = [*(end for _, end in starts), *(h.tree[cell] * h.step for cell in o.chosen)]
         places = [*(cell for cell, _ in starts), *o.chosen]
-        found = [h.ways_from(cell, moment) for cell, moment in zip(places, begin, strict=True)]
-        times = np.array([[steps[cell] for cell in places] for steps in found]) * h.step
+        ways = [h.ways_from(cell, moment) for cell, moment in zip(places, begin, strict=True)]
+        times = np.array([[steps[cell] for cell in places] for steps in ways]) * h.step
         times = np.where(times < 0, 2.0 * h.limit, times)
         times[:, 1 : len(starts)] = 2.0 * h.limit  # nobody flies to where another robot is
         times[: len(starts)] += np.array([end for _, end in starts])[:, None]
         np.fill_diagonal(times, 0.0)
-        due = [latest_start([h.closes[c] for c in way(found[k], h.o.base)], h.step) for k in range(len(starts), len(places))]
+        due = [latest_start([h.closes[c] for c in way(ways[k], h.o.base)], h.step) for k in range(len(starts), len(places))]
         count = len(starts)
         sites = Sites.of(
             ["base", *(f"robot {plan.robot + 1}" for plan in aloft), *(f"{r},{c}" for r, c in o.chosen)],

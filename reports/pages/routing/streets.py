@@ -33,21 +33,27 @@ def street_map(solution: Solution) -> Any:
     features = answer_geojson(problem, solution.answer)["features"]
     ranks = iter(route_ranks(problem, solution.answer))
     places = [_place(one["geometry"]["coordinates"]) for one in features if one["geometry"]["type"] == "Point"]
-    made = folium.Map(tiles="OpenStreetMap")
+    folium_map = folium.Map(tiles="OpenStreetMap")
     colours: dict[str, str] = {}
     for one in features:
-        told, at = one["properties"], one["geometry"]["coordinates"]
-        name, facts = _text(told.get("id", told.get("vehicle"))), folium.Popup(_facts(told), max_width=360)
-        if told["kind"] == "route":
-            colour = colours[told["vehicle"]] = COLOURS[next(ranks) % len(COLOURS)]
-            folium.PolyLine([_place(point) for point in at], color=colour, weight=4, tooltip=name, popup=facts).add_to(made)
+        properties, at = one["properties"], one["geometry"]["coordinates"]
+        name, facts = _text(properties.get("id", properties.get("vehicle"))), folium.Popup(_facts(properties), max_width=360)
+        if properties["kind"] == "route":
+            colour = colours[properties["vehicle"]] = COLOURS[next(ranks) % len(COLOURS)]
+            folium.PolyLine([_place(point) for point in at], color=colour, weight=4, tooltip=name, popup=facts).add_to(folium_map)
         else:
-            colour = "#111111" if told["kind"] == "depot" else colours.get(told.get("vehicle"), "#888888")
+            colour = "#111111" if properties["kind"] == "depot" else colours.get(properties.get("vehicle"), "#888888")
             folium.CircleMarker(
-                _place(at), radius=8 if told["kind"] == "depot" else 5, color=colour, fill=True, fill_opacity=0.9, tooltip=name, popup=facts
-            ).add_to(made)
-    made.fit_bounds([[min(side) for side in zip(*places, strict=True)], [max(side) for side in zip(*places, strict=True)]])
-    return made
+                _place(at),
+                radius=8 if properties["kind"] == "depot" else 5,
+                color=colour,
+                fill=True,
+                fill_opacity=0.9,
+                tooltip=name,
+                popup=facts,
+            ).add_to(folium_map)
+    folium_map.fit_bounds([[min(side) for side in zip(*places, strict=True)], [max(side) for side in zip(*places, strict=True)]])
+    return folium_map
 
 
 def _place(point: list[float]) -> tuple[float, float]:
