@@ -148,10 +148,6 @@ class HeuristicWork:
 
     modules: ClassVar[tuple[str, ...]] = ("numba",)
 
-    @property
-    def method(self) -> Heuristic:
-        return HEURISTICS[self.name]
-
     def __call__(self, control: Control) -> RawResult:
         o, stop = self.options, Stop()
         control.on_stop(stop.ask)
@@ -159,7 +155,7 @@ class HeuristicWork:
             rng=np.random.default_rng(o.seed), time_limit=o.time_limit, start=o.start, publish=control.publish, stop=stop,
             linear=LinearPrograms(o.lp_solver, o.seed, o.threads),
         )  # fmt: skip
-        outcome = self.method.run(self.problem, context, **o.extra)
+        outcome = HEURISTICS[self.name].run(self.problem, context, **o.extra)
         return RawResult(
             "unknown", outcome.limit, outcome.answer, statistics=outcome.statistics, message=outcome.message, evidence=outcome.evidence,
             holds=Exactness.NEITHER, guarantee=outcome.guarantee,
