@@ -55,7 +55,7 @@ They search routes, and prove nothing by themselves. `vrpsolver` says that it do
 
 ## Heuristics
 
-What they guarantee is told [there](routing.md#approximations).
+Their guarantees are listed [there](routing.md#approximations).
 
 {heuristics}
 """
