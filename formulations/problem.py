@@ -113,7 +113,7 @@ class Problem(ABC):
 
     @property
     def size(self) -> int:
-        """How many things an answer decides on: sites, robots, elements, variables; 0 where nothing tells."""
+        """How many things an answer decides on: sites, robots, elements, variables; 0 if it is not known."""
         return 0
 
     def linear_entries(self) -> int:
@@ -201,7 +201,7 @@ class Problem(ABC):
         return {"answer": self.answer_to_frame(answer)}
 
     def answer_lines(self, answer: Any) -> list[Line]:
-        """An answer in a few lines, for printing; none where it is told by a table alone."""
+        """An answer in a few lines, for printing; none where a table shows it all."""
         return []
 
     def answer_routes(self, answer: Any) -> list[Any]:

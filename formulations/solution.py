@@ -398,7 +398,7 @@ def _seconded(solution: Solution) -> str:
 
 
 def solution_lines(solution: Solution) -> list[Line]:
-    """How a run ended, what its certificate says, a claimed bound told apart from a verified one, and remarks on the problem."""
+    """How a run ended, what its certificate says, claimed and verified bound, and remarks on the problem."""
     s, c = solution, solution.certificate
     lines = [status_line(s), *(Line("fault", fault, "bad") for fault in s.faults), *answer_lines(c)]
     if s.bound_kind == "claimed":

@@ -54,7 +54,7 @@ def off_the_clock(what: str = "") -> Iterator[None]:
 
 @contextmanager
 def hearing(listener: Callable[[str, float], None]) -> Iterator[None]:
-    """Within the block ``listener(what, seconds)`` hears of what is done off the clock: when it begins (NaN seconds) and when it ends."""
+    """Call ``listener(what, seconds)`` when work off the clock begins (NaN seconds) and when it ends, within the block."""
     _LISTENERS.append(listener)
     try:
         yield

@@ -129,7 +129,7 @@ def unit_named(name: object) -> str:
 
 
 def moment_of(cell: str, line: int | None, what: str) -> Any:
-    """The point in time that a text tells: a number, a time of day, or a timestamp; None where it is empty."""
+    """Read a point in time from a text: a number, a time of day, or a timestamp; None if it is empty."""
     if not cell:
         return None
     if is_number(cell):
@@ -148,7 +148,7 @@ def moment_of(cell: str, line: int | None, what: str) -> Any:
 
 
 def span_of(cell: str, line: int | None, what: str) -> Any:
-    """The length of time that a text tells: a number or a timedelta; None where it is empty."""
+    """Read a length of time from a text: a number or a timedelta; None if it is empty."""
     if not cell:
         return None
     if is_number(cell):

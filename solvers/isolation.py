@@ -112,7 +112,7 @@ class _Child:
         return last
 
     def _step(self) -> RawResult | None:
-        """Wait for a moment; the result, once there is one. A child that tells much is overdue like any other."""
+        """Wait for a moment; the result, once there is one. A child that reports often is overdue like any other."""
         try:
             if self.mine.poll(_TICK) and (last := self._take(pickle.loads(self.mine.recv_bytes()))) is not None:
                 return last

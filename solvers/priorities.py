@@ -120,7 +120,7 @@ class Held:
 
 
 def _precisions(program: Program, x: Floats) -> list[float]:
-    """How closely the value of ``x`` is held: first as closely as values are told apart, then as closely as solvers see."""
+    """Tolerances within which later levels keep the value of ``x``: first the least that counts as a difference, then that of solvers."""
     return [EQUAL] if _side(program, x, EQUAL) == _side(program, x, VECTOR) else [EQUAL, VECTOR]
 
 

@@ -79,13 +79,13 @@ class ProgramBackend(Backend):
         return (cls.name,) if cls().able(features) else ()
 
     def able(self, features: frozenset[str]) -> bool:
-        """Whether it takes programs of ``features``, once they are reduced, as far as features tell."""
+        """Whether it takes programs of these features, once they are reduced; the numbers may still forbid it."""
         for reduction in self.reductions:
             features = reduction.features(features)
         return any(features <= most for most in self.programs) and (not self.only_integers or features >= INTEGERS)
 
     def lacking(self, program: Program) -> frozenset[str]:
-        """Features of ``program`` that the solver lacks, as far as features tell; one without variables is settled for everybody."""
+        """Features of ``program`` that the solver lacks, whatever its numbers; a program without variables needs no solver."""
         features = program.features()
         if self.able(features) or not program.num_variables:
             return frozenset()

@@ -81,7 +81,7 @@ class Compiled:
         return replace(self, program=step.program, exactness=exactness, links=links)
 
     def start(self, answer: Any, notes: list[str]) -> Floats | None:
-        """The vector of an answer that a search shall start from; None where it is no point of the program, of which ``notes`` hears."""
+        """The vector of an answer that a search is to start from; None, with a line in ``notes``, if it is no point of the program."""
         try:
             with input_errors(self.problem.problem):
                 return None if answer is None or self.encode is None else self.encode(answer)

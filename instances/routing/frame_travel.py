@@ -205,7 +205,7 @@ def _shortest_paths(graph: Any, ids: Ids, what: str) -> Floats:
 
 
 def is_list(travel: Any, ids: Ids) -> bool:
-    """True if it is a frame of moves: its titles tell both ends of one, in our words or those of others, and are no sites."""
+    """Whether a frame lists moves: it has columns for both ends of one, by our titles or common others, and these name no sites."""
     if not hasattr(travel, "columns"):
         return False
     titles = [str(title) for title in travel.columns]

@@ -359,7 +359,7 @@ class SensingGraph(Declared):
         return tuple(f"{robots[r]}.{k + 1}" for r, k in zip(self.robot_of_action.tolist(), position.tolist(), strict=True))
 
     def with_notes(self, *notes: str) -> SensingGraph:
-        """The same graph with more to tell."""
+        """A copy of the graph with further notes for the user."""
         return replace(self, notes=self.notes + notes)
 
     def facts(self) -> dict[str, Any]:
@@ -422,7 +422,7 @@ def graph_of_edges(
     duplicates: str = "error",
     **further: Any,
 ) -> SensingGraph:
-    """``SensingGraph.from_edges`` without its warnings, for readers and generators: the notes tell the same.
+    """``SensingGraph.from_edges`` without its warnings, for readers and generators: the notes say the same.
 
     Further keywords go to ``SensingGraph`` as they are.
     """

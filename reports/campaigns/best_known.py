@@ -24,7 +24,7 @@ Value = tuple[str | None, str | None, float]
 
 
 def best_known(instances: Iterable[Named], table: Path | None = None) -> dict[str, list[Value]]:
-    """Best values that tables tell of instances, by the hash of their files.
+    """Best known values of instances from published tables, by the hash of the instance files.
 
     ``table`` holds for all; by default it is the nearest ``bks.csv`` in the folder of each instance and those above. Raises InputError for
     a table that cannot be read, or lacks a column.

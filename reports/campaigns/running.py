@@ -67,7 +67,7 @@ def run_campaign(campaign: Campaign, workers: AbstractContextManager[Workers], *
 
 
 def check_reading(runs: list[Planned]) -> None:
-    """Read one instance in each way that these runs ask for, so that a setting which does not exist is told once, and not by every run.
+    """Read one instance in each way that these runs ask for, so that an unknown setting is one error, not one for every run.
 
     Raises UsageError for a problem, convention or change of the data that does not exist.
     """

@@ -84,7 +84,7 @@ def solvers(
 
 def heuristics(
     file: Annotated[
-        str | None, arg("[FILE]", "Ask about this instance: who takes it, and what the others lack.", completing.instances)
+        str | None, arg("[FILE]", "Ask about this instance: which solvers take it, and what the others lack.", completing.instances)
     ] = None,
     format: Format = None,  # noqa: A002
     problem: ProblemName = None,

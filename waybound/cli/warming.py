@@ -44,7 +44,7 @@ def warm(names: _Names = None, quiet: Quiet = False, verbose: Verbose = False) -
 
 
 def _bar(stack: contextlib.ExitStack, count: int) -> Callable[[str], None]:
-    """A progress bar on standard error, told which loop comes next."""
+    """A progress bar on standard error, which names the loop that comes next."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 

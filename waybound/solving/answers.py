@@ -18,7 +18,7 @@ from ..instances.errors import InputError, UsageError
 
 
 def answer_given(problem: Problem, given: Any, called: str, form: str | None = None) -> tuple[Any, tuple[str, ...]]:
-    """The answer of ``problem`` that ``given`` says, and what a user should be told about the reading.
+    """Read ``given`` as an answer of ``problem``; returns the answer, and notes on the reading for the user.
 
     Raises UsageError if it is none of these; InputError if the file or the model is no solution of the problem; with file and, where there
     is one, line.

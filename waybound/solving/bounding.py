@@ -151,7 +151,7 @@ def find_bounds(
 
 
 def _late(methods: list[BoundMethod], failed: list[str]) -> list[BoundMethod]:
-    """The methods whose loops were never compiled; methods that fail to tell are taken out of ``methods``."""
+    """The methods whose loops were never compiled; a method that raises an error here is removed from ``methods``."""
     late: list[BoundMethod] = []
     for method in tuple(methods):
         try:

@@ -214,7 +214,7 @@ class Judge:
     _lost: list[BaseException] = field(default_factory=list)
 
     def last_word(self, result: RawResult, *, prices: bool) -> None:
-        """Judge the solver's own result; ``prices`` tells whether its objective is meant for the problem's."""
+        """Judge the solver's own result; ``prices``: whether its objective is that of the problem."""
         claimed = result.status in ("optimal", "feasible") and self.exactness.answer_is_valid
         whose = f"the {result.status} answer claimed by {self.solver}" if claimed else f"the last answer of {self.solver}"
         if self.exactness is Exactness.RELAXATION:
@@ -241,7 +241,7 @@ class Judge:
             self.notes.append(f"the start is only a hint, for it breaks: {judged.violations[0].message}")
 
     def at_hand(self, answer: Any, refutes: Callable[[Evaluation], object]) -> None:
-        """Judge an answer that needs no search; it counts where it passes and refutes what is claimed, and is not heard of elsewhere."""
+        """Judge an answer that needs no search; it is kept only if it passes every check and refutes a claim."""
         judged = None if answer is None else self.problem.evaluate(answer)
         if judged is not None and judged.feasible and refutes(judged):
             self._judged.append((answer, judged))

@@ -23,7 +23,7 @@ BOUNDING = "bounding"
 
 
 class Recorder:
-    """Turns what a search and bounding tell into events, and hands these on. Thread-safe.
+    """Turns reports of the search and of bounding into events, and passes these on. Thread-safe.
 
     Parameters
     ----------

@@ -75,15 +75,15 @@ class SearchLog:
         if fault is not None:
             self._line(f"ended by an error: {one_line(fault)}")
 
-    def begin(self, problem: str, remarks: Sequence[str], method: str, told: str) -> None:
-        """The heading: problem, remarks on it, and by what it is searched, ``told`` being limits and seed."""
+    def begin(self, problem: str, remarks: Sequence[str], method: str, settings: str) -> None:
+        """Write the heading: the problem, remarks on it, the method, and its limits and seed (``settings``)."""
         from .._version import __version__
 
         self._began = self._said = time.perf_counter()
         self._line(f"waybound {__version__}, {one_line(problem)}")
         for remark in remarks:
             self._line(f"note: {one_line(remark)}")
-        self._line(f"search by {method}; {told}")
+        self._line(f"search by {method}; {settings}")
         self._line("")
         self._line(f"{'seconds':>9}  {'objective':>14}  {'bound':>14}  {'gap':>8}")
 

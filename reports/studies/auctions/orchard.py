@@ -129,7 +129,7 @@ def auctions_rows(days: pd.DataFrame) -> list[dict[str, Any]]:
 
 
 def findings(days: pd.DataFrame, effects: list[dict[str, Any]]) -> list[Finding]:
-    """The source's claims, and what becomes of them where its two changes are told apart."""
+    """The source's claims, with the effects of its two changes separated."""
     found = [Finding("Figs. 3.2 to 3.4: steps and bins", "plotted", "see the table", LOST, "the plots' numbers are lost")]
     for groups in dict.fromkeys(row["groups"] for row in effects):
         own = [row for row in effects if row["groups"] == groups]
