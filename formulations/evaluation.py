@@ -83,7 +83,7 @@ class Evaluation:
     Parameters
     ----------
     values : tuple of float
-        One value a level of the objective, recomputed from the data.
+        One value per level of the objective, recomputed from the data.
     checks : tuple of Check
         One a kind of condition.
     violations : tuple of Violation

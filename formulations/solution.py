@@ -161,7 +161,7 @@ class Solution:
         Parameters
         ----------
         of : str, optional
-            Of routing: ``visits``, one row a stop, the default; ``routes``, one row each; ``left-out``, as ``left_out()``.
+            Of routing: ``visits``, one row per stop, the default; ``routes``, one row each; ``left-out``, as ``left_out()``.
         """
         self._need_answer()
         if of is None:

@@ -20,7 +20,7 @@ from .parts import Axis, Count, Part
 from .text import label
 
 Names = tuple[str, ...] | None
-"""One name an entry; None stands for "1", "2", ..."""
+"""One name per entry; None stands for "1", "2", ..."""
 
 
 def extent(values: NDArray[np.float64]) -> list[float]:

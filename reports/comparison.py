@@ -162,7 +162,7 @@ class Comparison:
         return gap(evaluation.values[level], bounds[-1], evaluation.sizes[level] if evaluation.sizes else 0.0, evaluation.precision)
 
     def to_frame(self) -> pd.DataFrame:
-        """One row a method.
+        """One row per method.
 
         Columns ``method, objective`` (of the first level, checked), ``verified_bound`` (that its own run led to), ``gap`` (to the best
         verified bound of all runs), ``seconds`` (search alone), ``status``, ``remark``.

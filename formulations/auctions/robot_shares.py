@@ -45,7 +45,7 @@ class RobotShares(Problem):
         return (tuple(range(self.num_tasks)), *((),) * (self.num_robots - 1))
 
     def judge_shares(self, answer: Any) -> tuple[tuple[Check, ...], tuple[Violation, ...]]:
-        """Test that there is one tuple a robot, and every task in one of them; InputError for what is no answer."""
+        """Test that there is one tuple per robot, and every task in one of them; InputError for what is no answer."""
         tasks = self.num_tasks
         if not isinstance(answer, tuple) or not all(isinstance(share, tuple) and all(type(t) is int for t in share) for share in answer):
             raise InputError("an answer is a tuple of tuples of tasks, one a robot, as numbers from 0", found=printable(repr(answer), 80))

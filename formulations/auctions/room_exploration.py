@@ -168,7 +168,7 @@ class RoomExploration(Problem):
         return plans
 
     def answer_to_frame(self, answer: Plans) -> pd.DataFrame:
-        """One row a robot and step: robot, step, room, action, contact."""
+        """One row per robot and step: robot, step, room, action, contact."""
         import pandas as pd
 
         contacts = self.contacts(answer)

@@ -210,7 +210,7 @@ class Objective(Composable):
 
     @classmethod
     def named(cls, names: tuple[str, ...]) -> Objective:
-        """An objective from one text a level, first priority first: the name of a term, or a weighted sum (``reward - 0.5*makespan``).
+        """An objective from one text per level, first priority first: the name of a term, or a weighted sum (``reward - 0.5*makespan``).
 
         Parameters
         ----------

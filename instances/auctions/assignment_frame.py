@@ -1,4 +1,4 @@
-"""Costs of robots and bins out of pandas frames: one row a pair, or a matrix."""
+"""Costs of robots and bins out of pandas frames: one row per pair, or a matrix."""
 
 from __future__ import annotations
 
@@ -130,7 +130,7 @@ def _number(value: Any, row: int, title: str, expected: str) -> float:
 
 
 def _told(title: str, column: Any, owner: NDArray[np.int64], names: tuple[str, ...]) -> Floats:
-    """One number a robot or bin, out of all its rows."""
+    """One number per robot or bin, out of all its rows."""
     values = _numbers(title, column)
     numbers, row = np.full(len(names), np.nan), np.zeros(len(names), dtype=np.int64)
     for k in np.nonzero(owner >= 0)[0][::-1]:  # the first row of each stands last

@@ -138,7 +138,7 @@ class UncertainGraph(Declared):
         Parameters
         ----------
         edges : DataFrame
-            Columns ``from``, ``to``, ``mean``, ``variance`` and optionally ``least``; one row an edge.
+            Columns ``from``, ``to``, ``mean``, ``variance`` and optionally ``least``; one row per edge.
         start, goal : str or int
             Vertices where paths begin and end.
         undirected : bool
@@ -194,7 +194,7 @@ class UncertainGraph(Declared):
         )  # fmt: skip
 
     def to_frame(self) -> pd.DataFrame:
-        """One row an edge: from, to, mean, variance, and least where it is given."""
+        """One row per edge: from, to, mean, variance, and least where it is given."""
         import pandas as pd
 
         names = np.array([self.vertex_name(v) for v in range(self.num_vertices)], dtype=object)

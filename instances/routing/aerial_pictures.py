@@ -79,9 +79,9 @@ class Arms:
         return np.asarray(layer.cells[arm - layer.first])
 
     def sums(self, values: Floats) -> Floats:
-        """Sums of a value a cell over each footprint; shape (arms,)."""
+        """Sums of a value per cell over each footprint; shape (arms,)."""
         return np.concatenate([values[layer.cells].sum(axis=1) for layer in self.layers])
 
     def means(self, values: Floats) -> Floats:
-        """Means of a value a cell over each footprint; shape (arms,)."""
+        """Means of a value per cell over each footprint; shape (arms,)."""
         return np.concatenate([values[layer.cells].mean(axis=1) for layer in self.layers])

@@ -196,7 +196,7 @@ def _speed(speed: float, travel: Travel, times: Times) -> float:
 
 
 def _equal(arguments: FrameArguments, sites: Sites, times: Times) -> tuple[VehicleType, ...]:
-    """Vehicles that are all alike, one type a depot."""
+    """Vehicles that are all alike, one type per depot."""
     longest = times.span(arguments.max_duration, "max_duration")
     count = None if arguments.vehicles is None else whole_of(arguments.vehicles, "the number of vehicles")
     capacity, *further = loads_of(arguments.capacity, "capacity")

@@ -147,7 +147,7 @@ class LinearConstraint(Constraint):
         return np.asarray((rows.totals(masks) <= rows.limit).all(axis=1))
 
     def excess(self, chosen: Elements, elements: int) -> Excess:
-        """One number a row."""
+        """One number per row."""
         mask = np.zeros((1, elements), dtype=bool)
         mask[0, chosen] = True
         rows = self.rows(elements)

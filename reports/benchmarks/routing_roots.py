@@ -1,6 +1,6 @@
 """Root bounds of every exact routing form on small reference instances: ``python -m waybound.reports.benchmarks.routing_roots``.
 
-A row an instance: the value of each form's linear relaxation, with the preparation and the fleet row that all of them share, then the
+A row per instance: the value of each form's linear relaxation, with the preparation and the fleet row that all of them share, then the
 integer optimum. A dash stands for a form that cannot take the problem; forms without a linear relaxation have no column.
 """
 

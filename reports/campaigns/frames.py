@@ -1,4 +1,4 @@
-"""Results as pandas frames and as files, one row a run."""
+"""Results as pandas frames and as files, one row per run."""
 
 from __future__ import annotations
 

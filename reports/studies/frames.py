@@ -74,7 +74,7 @@ def times_apart(rows: Sequence[Mapping[str, Any]], key: str = "method") -> tuple
 
 
 def by_method(logs: Sequence[Mapping[str, Any]]) -> list[tuple[str, pd.DataFrame]]:
-    """Rows with a column ``method`` as one table a method, in the order in which these come."""
+    """Rows with a column ``method`` as one table per method, in the order in which these come."""
     import pandas as pd
 
     return [(str(method), log) for method, log in pd.DataFrame(logs).groupby("method", sort=False)]

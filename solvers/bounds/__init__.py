@@ -1,4 +1,4 @@
-"""Evidence for bounds: one module a method, in the room of its family; those for every family stand here."""
+"""Evidence for bounds: one module per method, in the room of its family; those for every family stand here."""
 
 from __future__ import annotations
 

@@ -70,7 +70,7 @@ class Scaled(Step):
 
 
 def scaled(program: Program) -> Scaled:
-    """The program with numbers of ordinary size, as far as one factor a row and a block of columns can bring them there."""
+    """The program with numbers of ordinary size, as far as one factor per row and a block of columns can bring them there."""
     row = np.repeat(np.arange(program.num_rows), np.diff(program.indptr))
     columns = _column_units(program, row)
     rows, objective = _row_units(program, row, columns), _objective_unit(program, columns)

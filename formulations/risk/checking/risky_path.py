@@ -90,7 +90,7 @@ MOST_STEPS = 500
 def check_move_potentials(problem: RiskyPath, data: Mapping[str, Any]) -> float:
     """Bound that any potentials prove: the most by which a pair of moves exceeds its hazard is paid at every move of a path.
 
-    ``potentials`` holds one number a move, null for infinity; ``prices``, optional, one number of at least 0 a state, which a path pays
+    ``potentials`` holds one number per move, null for infinity; ``prices``, optional, one number of at least 0 a state, which a path pays
     once at most, so that hazards may be the larger by them and the bound is the smaller by their sum. Least risk or hazard: the least
     potential of a move into a goal, or that there is no answer where all are infinite. Reward per risk: for each hazard t the rewards of
     all states that can be reached within it, as many as their least hazards leave room for, over the risk of the larger of t and what they

@@ -28,7 +28,7 @@ class Rows(NamedTuple):
     """Prices of visits, of sets that loads enter, of subset rows and of sets of needed moves, which are of shape (sites, sites); customers
     are nodes but in ``visits``.
 
-    ``memory`` is who is remembered: so many of the nearest, or a list a node.
+    ``memory`` is who is remembered: so many of the nearest, or a list per node.
     """
 
     visits: Floats

@@ -298,7 +298,7 @@ def order_resource(customers: int) -> Resource:
 
 
 def with_depot(problem: RoutingProblem, matrix: Floats, before: Floats) -> Floats:
-    """Merged matrix of ``before[i] + matrix[i, j]``; ``before`` has one entry a node."""
+    """Merged matrix of ``before[i] + matrix[i, j]``; ``before`` has one entry per node."""
     at = problem.sites.customers
     joined = merged(problem, matrix)
     joined[0] = first_move(problem, lambda v: matrix[v.start, at])

@@ -1,4 +1,4 @@
-"""Evidence ``set-partitioning-duals``: a Lagrangian bound from one price a customer, over the cheapest route at these prices.
+"""Evidence ``set-partitioning-duals``: a Lagrangian bound from one price per customer, over the cheapest route at these prices.
 
 Further rows may have prices too: those of subsets of customers, and of the vehicles that a set of customers needs. Routes are relaxed to
 walks that may come back to a customer whom they forgot: at each customer some others are remembered, all others are forgotten there

@@ -1,4 +1,4 @@
-"""Costs of assignments as lists of pairs in CSV: one row a pair; documented in ``docs/formats.md``."""
+"""Costs of assignments as lists of pairs in CSV: one row per pair; documented in ``docs/formats.md``."""
 
 from __future__ import annotations
 

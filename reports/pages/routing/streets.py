@@ -21,7 +21,7 @@ _IN_SCRIPTS = str.maketrans({"`": "&#96;", "$": "&#36;", "\\": "&#92;", "{": "&#
 
 
 def street_map(solution: Solution) -> Any:
-    """A ``folium.Map``: a line a route, straight from stop to stop, and a dot a site that tells its facts; ``solution.to_folium`` calls
+    """A ``folium.Map``: a line per route, straight from stop to stop, and a dot a site that tells its facts; ``solution.to_folium`` calls
     this."""
     problem = solution.problem
     if not isinstance(problem, RoutingProblem):

@@ -170,7 +170,7 @@ def ranges(numbers: list[int]) -> str:
 
 
 def ablation_figure(steps: pd.DataFrame, effects: pd.DataFrame) -> Figure:
-    """One row a number of groups: steps of each method over the number of robots, and what each change saves; bands are the intervals."""
+    """One row per number of groups: steps of each method over the number of robots, and what each change saves; bands are the intervals."""
     groups = sorted(set(steps["groups"]))
 
     def draw(figure: Any) -> None:

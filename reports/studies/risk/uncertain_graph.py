@@ -182,7 +182,7 @@ def boxes_figure(name: str, walks: pd.DataFrame) -> Figure:
 
 
 def histograms_figure(name: str, walks: pd.DataFrame) -> Figure:
-    """Distribution of each method's excess, one row a level."""
+    """Distribution of each method's excess, one row per level."""
     levels = list(dict.fromkeys(walks[LEVEL]))
 
     def draw(figure: Any) -> None:
