@@ -142,7 +142,7 @@ class Checklist:
             self.violations.append(Violation(check, message, amount, vehicle, site))
 
     def checks(self, names: Sequence[str]) -> tuple[Check, ...]:
-        """All checks in the given order, those that had nothing to test included."""
+        """All checks in the given order, including those that had nothing to test."""
         broken = {v.check for v in self.violations}
         return tuple(Check(n, n not in broken, self._residual.get(n, 0.0), self._tested.get(n, 0)) for n in names)
 

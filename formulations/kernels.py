@@ -110,15 +110,15 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
 
     @property
     def made(self) -> bool:
-        """Whether it is compiled or loaded in this process, for all types that it declares."""
+        """Whether the kernel is compiled or loaded in this process, for all types that it declares."""
         return not self._can_compile
 
     def kept(self) -> bool:
-        """Whether making it takes no compiler: it is made, or cached."""
+        """Whether it can be used without compiling: it is loaded, or in the cache."""
         return self.made or self.cached()
 
     def cached(self) -> bool:
-        """Whether all of it is in the cache on disk."""
+        """Whether all its types are in the cache on disk."""
         return all(self._keeps(signature) for signature in self._signatures())
 
     def get_call_template(self, args: Any, kws: Any) -> Any:

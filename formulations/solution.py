@@ -364,7 +364,7 @@ def solution_title(solution: Solution) -> str:
 
 
 def status_line(solution: Solution) -> Line:
-    """How a run ended, and on whose word."""
+    """How a run ended, and what that rests on: a verified bound, or a solver's claim."""
     s = solution
     stopped = "" if s.limit == "none" else f"; stopped by {_LIMIT_WORDS.get(s.limit, s.limit)}"
     if s.status == "optimal":

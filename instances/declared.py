@@ -257,7 +257,7 @@ class Declared:
 
     @classmethod
     def read_own(cls, data: Mapping[str, Any], counts: Mapping[str, int]) -> dict[str, Any]:
-        """Values of fields that the declaration does not say, out of JSON."""
+        """Values, from JSON, of fields that are not declared."""
         return {}
 
     @classmethod

@@ -126,7 +126,7 @@ def frozen(values: NDArray[T]) -> NDArray[T]:
 
 
 def size(what: str, value: Any) -> int:
-    """One number of things, from 0."""
+    """Check a count, a whole number of at least 0."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or not 0 <= value <= LARGEST_NUMBER:
         raise InputError(f"{what} must be a whole number from 0 to {LARGEST_NUMBER}", "out-of-range", found=repr(value)[:40])
     return int(value)
@@ -199,7 +199,7 @@ def entries_of(indptr: NDArray[np.integer[Any]], rows: NDArray[np.integer[Any]])
 
 
 def names(what: str, values: Iterable[object] | None, count: int) -> tuple[str, ...] | None:
-    """One printable name each, all different; None stays None."""
+    """Check names: one per entry, printable and all different; None stays None."""
     if values is None:
         return None
     if isinstance(values, str | bytes) or not isinstance(values, Iterable):

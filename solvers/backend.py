@@ -371,7 +371,7 @@ class Engine(Backend):
         return problem.features() - self.features
 
     def unasked(self, problem: Problem) -> bool:
-        """Whether it may be used for ``problem`` where the user names no solver."""
+        """Whether the engine may be the default solver for ``problem``."""
         return self.by_default
 
     def apart(self, problem: Problem) -> bool:

@@ -1,4 +1,4 @@
-"""One linear program that is solved again and again with other bounds, each time from where it stood."""
+"""A linear program that is solved again and again with changed bounds, each time from the last basis."""
 
 from __future__ import annotations
 

@@ -29,7 +29,7 @@ MOST_STEPS = 1000
 
 
 class Gains(Numbers):
-    """Numbers of which none is larger than the one before it in its row."""
+    """Arrays whose rows never increase."""
 
     def refuse(self, key: str, value: Floats, instance: Declared) -> None:
         rising = np.diff(value, axis=1, prepend=LARGEST) > 0

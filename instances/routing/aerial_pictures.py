@@ -74,7 +74,7 @@ class Arms:
         return next(layer for layer in self.layers if arm < layer.arms.stop)
 
     def cells(self, arm: int) -> NDArray[np.intp]:
-        """Numbers of the cells in the footprint of an arm."""
+        """The indices of the cells in the footprint of an arm."""
         layer = self.layer(arm)
         return np.asarray(layer.cells[arm - layer.first])
 

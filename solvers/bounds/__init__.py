@@ -53,7 +53,7 @@ class BoundMethod:
     kernels: tuple[str, ...] = ()
 
     def compiled(self) -> bool:
-        """Whether it takes no compiler: all its loops are in the cache, or made."""
+        """Whether the method can run without compiling: all its loops are loaded or in the cache."""
         if not self.kernels:
             return True
         from ...formulations.kernels import kernels

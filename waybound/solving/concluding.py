@@ -326,7 +326,7 @@ def _best_bound(
 
 
 def _status(claim: Claim, senses: Sequence[str], certificate: Certificate, best: Evaluation | None, bound: Value | None) -> str:
-    """How it ended: proved or claimed to be the best, or there to be none, or neither."""
+    """The status: optimal or infeasible or unbounded, proved or claimed; feasible or unknown otherwise."""
     if best is not None:
         verified = [] if certificate.bound is None else [certificate.bound, *(level.bound for level in certificate.levels)]
         if len(best.values) == 1 and isinstance(bound, float):

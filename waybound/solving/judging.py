@@ -82,7 +82,7 @@ class Claim:
         return same(known, value, size, precision) or (first and same(known, value, self._unit, precision))
 
     def speaks_of(self, best: Evaluation) -> bool:
-        """Whether it claims that no answer is better than this one, of a relaxation by bounds that it meets up to what solvers see."""
+        """Whether it claims that this answer is optimal; a relaxation does so by bounds that meet it within solvers' tolerance."""
         levels = len(best.values)
         if self.said.status != "optimal":
             return False
@@ -111,7 +111,7 @@ class Claim:
 
 
 def _bounded(senses: Sequence[str], certificate: Certificate) -> bool:
-    """Whether it is proved that no level has answers as good as one wants."""
+    """Whether it is proved that every level of the objective is bounded."""
     return certificate.bound is not None and math.isfinite(certificate.bound) and len(certificate.levels) + 1 >= len(senses)
 
 

@@ -134,7 +134,7 @@ def first_compiled(problem: Problem, backend: ProgramBackend, relax: bool) -> Co
 
 @dataclass(frozen=True)
 class Run:
-    """One search, ready to start: what is searched, and how its raw answers become answers of the problem.
+    """A search, ready to start: the method, its target, and the way back from its raw answers to those of the problem.
 
     ``target`` is the program of ``compiled`` for a program backend; engines and heuristics take problems, and say for what their claims
     hold. The start in ``options`` is in the terms of ``target``. ``bounds`` tells whether the search finds bounds of its own; ``opening``
@@ -166,7 +166,7 @@ class Run:
 
     @property
     def exactness(self) -> Exactness:
-        """How what is searched relates to the problem."""
+        """How the target relates to the problem."""
         return Exactness.EXACT if self.compiled is None else self.compiled.exactness
 
     def go(self, control: Control) -> RawResult:
