@@ -52,9 +52,8 @@ def linear_relaxation_bound(problem: Problem, stop: Stop = NEVER, linear: Linear
     most = (FIRST_ORDER_ENTRIES_PER_SECOND if first_order else ENTRIES_PER_SECOND) * seconds
     if problem.linear_entries() > most:
         return None  # writing down a far too large one is not worth its time either
-    compiled = next(
-        (m for m in map(problem.compile, problem.forms()) if m.exactness.bound_is_valid and m.program.features() <= INTEGERS), None
-    )
+    forms = map(problem.compile, problem.forms())
+    compiled = next((m for m in forms if m.exactness.bound_is_valid and m.program.features() <= INTEGERS), None)
     if compiled is None or compiled.dual_evidence is None or len(compiled.program.data) > most:
         return None
     result = linear.solve(compiled.relaxed().program, stop, FIRST_ORDER if first_order else INTERIOR_POINT)

@@ -6,7 +6,7 @@ import math
 import os
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
@@ -85,17 +85,14 @@ def find_bounds(
     uncompiled : list of str, optional
         Receives the names of these.
     """
-    found: list[Evidence] = []
+    found: dict[str, Evidence] = {}
     failed: list[str] = [] if unable is None else unable
     if bound_time <= 0:
-        return found
-    control = control or Control()
-    linear = linear or LinearPrograms()
+        return []
+    control, linear = control or Control(), linear or LinearPrograms()
     methods = able_methods(problem, failed, searching=searching)
     stop = Stop(bound_time)  # from here on: listing imports them all
     control.on_stop(stop.ask)
-    places = {method.name: place for place, method in enumerate(methods)}
-    by: dict[int, int] = {}
 
     def settled(method: BoundMethod, within: Stop) -> bool:
         """Whether what the method finds leaves nothing to look for."""
@@ -110,9 +107,8 @@ def find_bounds(
             return False
         if evidence is None:
             return False
-        by[id(evidence)] = places[method.name]
-        found.append(evidence)
-        control.publish(evidence=tuple(found))
+        found[method.name] = evidence
+        control.publish(evidence=tuple(found.values()))
         if progress is not None:
             seconds = bound_time - stop.seconds_left
             progress({"phase": "bound", "seconds": seconds, "objective": target, "bound": evidence.value, "source": evidence.source})
@@ -125,14 +121,24 @@ def find_bounds(
         bound = proved_bound(problem, evidence)
         return bound is not None and same(bound, target)
 
-    if any(map(reaches, known)):
-        return found
-    for method in (m for m in methods if m.order <= AT_ONCE):
-        if control.stopped or settled(method, stop):
-            return found
-    if at_once or stop.reached():
-        return found
+    if not any(map(reaches, known)):
+        for method, within in _turns(methods, stop, control, bound_time, at_once, compiling, failed, uncompiled):
+            if settled(method, within):
+                break
+    return [found[method.name] for method in methods if method.name in found]
 
+
+def _turns(
+    methods: list[BoundMethod], stop: Stop, control: Control, bound_time: float, at_once: bool, compiling: str, failed: list[str],
+    uncompiled: list[str] | None,
+) -> Iterator[tuple[BoundMethod, Stop]]:  # fmt: skip
+    """The methods in the order of their turns, each with the end of its time; the parameters are those of ``find_bounds``."""
+    for method in (m for m in methods if m.order <= AT_ONCE):
+        if control.stopped:
+            return
+        yield method, stop
+    if at_once or stop.reached():
+        return
     others = [m for m in methods if m.order > AT_ONCE]
     late = _late(others, failed)
     if uncompiled is not None:
@@ -142,12 +148,10 @@ def find_bounds(
     for method in {"never": others, "last": others + late, "first": late + others}[compiling]:
         within = stop if method in late else share
         if stop.reached():
-            break
+            return
         if within.reached() or (method in late and stop.seconds_left < min(1.0, 0.4 * bound_time)):  # not worth a compiler
             continue
-        if settled(method, within):
-            break
-    return sorted(found, key=lambda evidence: by[id(evidence)])
+        yield method, within
 
 
 def _late(methods: list[BoundMethod], failed: list[str]) -> list[BoundMethod]:

@@ -33,27 +33,21 @@ def street_map(solution: Solution) -> Any:
     features = answer_geojson(problem, solution.answer)["features"]
     ranks = iter(route_ranks(problem, solution.answer))
     places = [_place(one["geometry"]["coordinates"]) for one in features if one["geometry"]["type"] == "Point"]
-    folium_map = folium.Map(tiles="OpenStreetMap")
+    canvas = folium.Map(tiles="OpenStreetMap")
     colours: dict[str, str] = {}
     for one in features:
-        properties, at = one["properties"], one["geometry"]["coordinates"]
-        name, facts = _text(properties.get("id", properties.get("vehicle"))), folium.Popup(_facts(properties), max_width=360)
-        if properties["kind"] == "route":
-            colour = colours[properties["vehicle"]] = COLOURS[next(ranks) % len(COLOURS)]
-            folium.PolyLine([_place(point) for point in at], color=colour, weight=4, tooltip=name, popup=facts).add_to(folium_map)
+        data, at = one["properties"], one["geometry"]["coordinates"]
+        name, facts = _text(data.get("id", data.get("vehicle"))), folium.Popup(_facts(data), max_width=360)
+        if data["kind"] == "route":
+            colour = colours[data["vehicle"]] = COLOURS[next(ranks) % len(COLOURS)]
+            folium.PolyLine([_place(point) for point in at], color=colour, weight=4, tooltip=name, popup=facts).add_to(canvas)
         else:
-            colour = "#111111" if properties["kind"] == "depot" else colours.get(properties.get("vehicle"), "#888888")
+            colour = "#111111" if data["kind"] == "depot" else colours.get(data.get("vehicle"), "#888888")
             folium.CircleMarker(
-                _place(at),
-                radius=8 if properties["kind"] == "depot" else 5,
-                color=colour,
-                fill=True,
-                fill_opacity=0.9,
-                tooltip=name,
-                popup=facts,
-            ).add_to(folium_map)
-    folium_map.fit_bounds([[min(side) for side in zip(*places, strict=True)], [max(side) for side in zip(*places, strict=True)]])
-    return folium_map
+                _place(at), radius=8 if data["kind"] == "depot" else 5, color=colour, fill=True, fill_opacity=0.9, tooltip=name, popup=facts
+            ).add_to(canvas)
+    canvas.fit_bounds([[min(side) for side in zip(*places, strict=True)], [max(side) for side in zip(*places, strict=True)]])
+    return canvas
 
 
 def _place(point: list[float]) -> tuple[float, float]:

@@ -99,9 +99,8 @@ def force_vector_findings(rows: Sequence[dict[str, Any]]) -> list[Finding]:
             why = "a step is seldom worth more than the start is; force vectors spread robots, which pays where targets are few"
             if f"{key}_lead" in row:
                 lead, half = row[f"{key}_lead"], row[f"{key}_lead{HALF}"]
-                findings.append(
-                    Finding.of_lead(f"greedy against force vectors, {what}, {count} targets", "greedy above", lead, half, "", why)
-                )
+                title = f"greedy against force vectors, {what}, {count} targets"
+                findings.append(Finding.of_lead(title, "greedy above", lead, half, "", why))
     for method in ("greedy", "force-vector"):
         means = [known[count, method]["average"] for count in counts]
         said = ", ".join(f"{mean:.3g}" for mean in means)
