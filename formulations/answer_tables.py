@@ -35,7 +35,7 @@ def frame_of(text: str) -> pd.DataFrame:
 
 
 def _ordered(frame: pd.DataFrame) -> pd.DataFrame:
-    """The frame with its positions as numbers, for text sorts 10 before 2; where it has none, rows are in order."""
+    """The frame with positions as numbers, since text sorts 10 before 2; without positions, the order of rows counts."""
     import pandas as pd
 
     frame.columns = [str(title).strip() for title in frame.columns]

@@ -255,7 +255,7 @@ def certify(
 
 
 def judged_only(problem: Problem, evaluation: Evaluation | None) -> Certificate:
-    """A certificate of what the judge found, where bounds could not be certified."""
+    """A certificate of the judge's verdict alone, where bounds could not be certified."""
     digest: Any
     try:
         digest = problem.digest_later()
@@ -311,7 +311,7 @@ def _compare_bound(problem: Problem, stated: float, proved: float | None, who: s
 
 
 def _compare_evidence(problem: Problem, piece: Evidence, made: Certificate) -> None:
-    """Raise CheckFailedError if the value that stands beside evidence is more than it proves."""
+    """Raise CheckFailedError if a file states a better value beside evidence than the evidence proves."""
     if made.infeasible:
         return
     proved = made.bound if piece in made.evidence else verified_bound(problem, piece)

@@ -160,7 +160,7 @@ def judge(
 
 @contextmanager
 def input_errors(problem: str) -> Iterator[None]:
-    """Raises InputError for whatever the code of a family of problems fails at in the block: users may hand over anything as an answer."""
+    """Turn any other exception in the block into an InputError: what a user gives as an answer may be anything."""
     try:
         yield
     except (WayboundError, MemoryError):

@@ -1,4 +1,4 @@
-"""Verified bounds of the levels of priority after the first: what no answer beats that is no worse at the levels before."""
+"""Verified bounds of the levels of priority after the first: each holds for all answers that are no worse at the levels before."""
 
 from __future__ import annotations
 

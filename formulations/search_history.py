@@ -16,7 +16,7 @@ COLUMNS = ("seconds", "phase", "objective", "bound", "bound_kind", "gap", "found
 
 @dataclass(frozen=True)
 class Event:
-    """The best that was known when something better was found.
+    """The best answer and bound known at a moment when one of them improved.
 
     Parameters
     ----------

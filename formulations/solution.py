@@ -55,7 +55,7 @@ def relative_gap(objective: Value | None, bound: Value | None, sizes: Sequence[f
 
 @dataclass(frozen=True)
 class Opinion:
-    """Another solver's view of a claim that stands without evidence.
+    """Another solver's result on a claim that has no evidence.
 
     ``status``: its own word. ``objective`` and ``bound``: its own claims, in the units of the program. ``verdict``: ``agrees``,
     ``undecided``, ``refutes`` (by an answer that passed every check), ``is refuted`` (by such an answer, or a verified bound), or
@@ -348,7 +348,7 @@ class Solution:
         return as_rich(solution_title(self), self._lines())
 
     def _lines(self) -> list[Line]:
-        """The answer, then what is known of it."""
+        """The lines of the answer, then those of its evidence."""
         answer = [] if self.answer is None else self.problem.answer_lines(self.answer)
         return [*answer, *solution_lines(self)]
 

@@ -110,7 +110,7 @@ def _entries(data: Mapping[str, Any], key: str) -> list[Mapping[str, Any]] | Non
 
 
 def _same(stated: Mapping[str, Any], own: Mapping[str, Any], size: float) -> bool:
-    """Whether the entries agree in every key but the message, whose last digits may differ from machine to machine."""
+    """Whether two entries agree in every key but the message, whose last digits may differ from machine to machine."""
     if stated.keys() != own.keys():
         return False
     for key, value in own.items():

@@ -1,4 +1,4 @@
-"""Bounds that a checker derives from evidence, and which of two says more."""
+"""Bounds that checkers derive from evidence, and their comparison."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from .problem import Problem
 
 
 def better_bound(sense: str, a: float, b: float) -> bool:
-    """Whether bound ``a`` says more than ``b``."""
+    """Whether bound ``a`` is tighter than ``b``."""
     return a > b if sense == "min" else a < b
 
 
 def beats_bound(sense: str, objective: float, bound: float, size: float = 0.0) -> bool:
-    """Whether an objective is better than a bound says is possible, beyond rounding."""
+    """Whether an objective is better than a bound allows, beyond rounding."""
     return better_bound(sense, bound, objective) and not tolerance.same(objective, bound, size)
 
 
@@ -36,7 +36,7 @@ def verified_bound(problem: Problem, evidence: Evidence) -> float:
 
 
 def proved(problem: Problem, kind: str, source: str, data: dict[str, Any]) -> Evidence:
-    """Evidence with the value that its checker derives."""
+    """The evidence, with the value that its checker derives from it."""
     evidence = Evidence(kind, source, 0.0, data)
     return replace(evidence, value=verified_bound(problem, evidence))
 

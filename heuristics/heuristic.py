@@ -23,7 +23,7 @@ CUT_SHORT = "the time was up, or it was asked to stop"
 
 @dataclass(frozen=True)
 class Context:
-    """Time, randomness and the line to the caller of a heuristic that runs.
+    """Time, randomness and the line to the caller for a run of a heuristic.
 
     Parameters
     ----------

@@ -194,18 +194,18 @@ class Control:
             self._closed = True
 
     def count(self, nodes: int, **further: int) -> None:
-        """Nodes of branch and bound that are done, and what else an engine counts: told with what is published next, here and by whom this
-        hands on to."""
+        """Record the nodes of branch and bound that are done, and other counts: reported with the next publication, here and by the control
+        that this one passes on to."""
         self.nodes, self.counts = nodes, further
         if self._counts_for is not None:
             self._counts_for.count(nodes, **further)
 
     def begin_set_up(self) -> None:
-        """The engine begins to make its own model of what it was given, which counts against its limit and may take much of it."""
+        """Note that the engine begins to build its own model, which counts against its time limit."""
         self.setting_up = True
 
     def end_set_up(self, seconds: float) -> None:
-        """Its search begins; the first call counts, of an engine that searches several times."""
+        """Note that the model is built and the search begins; of an engine that searches several times, the first call counts."""
         if not self.setting_up:
             return
         self.setting_up, self.set_up = False, seconds
@@ -214,7 +214,7 @@ class Control:
 
     @property
     def left(self) -> str:
-        """A phrase that says what remains of the work of an engine that did not come back."""
+        """A phrase on what is left of the work of an engine that did not return."""
         when = " while it was still setting up" if self.setting_up else ""
         return f"{when}; its last published answer is used" if self.answer is not None else f"{when}, and had published no answer"
 
@@ -302,7 +302,7 @@ class Backend(ABC):
         return f"{self.name}:{self.variant}" if self.variant else self.name
 
     def converted(self, options: Options) -> Options:
-        """``options`` with those of its own in their types; raises UsageError for others."""
+        """``options`` with the solver's own ones converted to their types; raises UsageError for unknown ones."""
         return options if self.options is None else replace(options, extra=own_options(self.label, options.extra, self.options))
 
     @classmethod
@@ -379,8 +379,8 @@ class Engine(Backend):
         return self.needs_process
 
     def begin(self, problem: Problem, options: Options, control: Control) -> Stop:
-        """The end of a search that begins now; raises UnsupportedError for a problem that it lacks a feature of, and UsageError for an
-        option of another name or kind."""
+        """The stop of a search that begins now; raises UnsupportedError for a feature that the engine lacks, UsageError for an option of
+        another name or type."""
         lacking = self.missing(problem)
         if lacking:
             raise UnsupportedError(self.name, lacking)

@@ -22,7 +22,7 @@ Suits = Mapping[str, Mapping[str, Any]]
 
 @dataclass
 class LinearPrograms:
-    """Solves one after the other.
+    """Solves linear programs, one after the other.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""The options that a solver has of its own, beside those that all share."""
+"""Options of one solver only, beside those that all share."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ TRUTHS = {"true": True, "on": True, "1": True, "false": False, "off": False, "0"
 def own_options(
     label: str, given: Mapping[str, Any], known: Mapping[str, Any], common: Mapping[str, str] | None = None, word: str = "option"
 ) -> dict[str, Any]:
-    """Options that the user named, in the types that they have.
+    """The user's options, converted to their types.
 
     Raises UsageError for the first one that is common, not known, or not of its type.
 

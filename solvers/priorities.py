@@ -1,4 +1,4 @@
-"""Objectives in order of priority, for backends that take one: level by level, what was reached held by a row.
+"""Objectives in order of priority for backends that take one objective: level by level, with a row that keeps what was reached.
 
 The program of level k + 1 is that of level k with another objective and the row ``cost_k x <= value_k`` (``>=`` where more is better),
 and its search begins with the answer of level k. Where the value is a multiple of what all costs are multiples of, it is held exactly;
@@ -125,7 +125,7 @@ def _precisions(program: Program, x: Floats) -> list[float]:
 
 
 def _side(program: Program, x: Floats, precision: float) -> float:
-    """The most that the objective without its offset, times -1 where more is better, may be, so that it is no worse than ``x``."""
+    """The right side of the row that keeps the objective no worse than at ``x``: without its offset, and negative where more is better."""
     at = np.nonzero(program.cost)[0]
     cost, whole = (1.0 if program.sense == "min" else -1.0) * program.cost[at], bool(program.integer[at].all())
     amount = np.where(program.integer[at], np.round(x[at]), x[at])

@@ -247,7 +247,7 @@ class _Relay(Control):
 
 
 def settled(program: Program) -> RawResult | None:
-    """The result where no search is needed: limits that cross, empty rows that exclude 0, no variables; None for every other program."""
+    """The result where no search is needed: crossed limits, empty rows that exclude 0, no variables; else None."""
     for lower, upper, name, what in (
         (program.lower, program.upper, program.variable_name, "bounds of"),
         (program.row_lower, program.row_upper, program.row_name, "sides of row"),

@@ -1,4 +1,4 @@
-"""Verified bounds of a problem: what is there before a search, beside it, and after it, every method that applies, within a budget."""
+"""Verified bounds of a problem: before a search, beside it, and after it by every method that applies, within a budget."""
 
 from __future__ import annotations
 
@@ -115,7 +115,7 @@ def find_bounds(
         return evidence.kind in ENDLESS or reaches(evidence)
 
     def reaches(evidence: Evidence) -> bool:
-        """Whether what it proves, and not only what is said of it, is worth as much as the target."""
+        """Whether the bound that its checker derives, not only the one it states, reaches the target."""
         if target is None or not same(evidence.value, target):
             return False
         bound = proved_bound(problem, evidence)
@@ -197,7 +197,7 @@ def bounded(problem: Problem, seconds: float, **settings: Any) -> Searched:
 def first_evidence(
     problem: Problem, seconds: float, linear: LinearPrograms | None = None, most: float = 0.0, uncompiled: list[str] | None = None
 ) -> tuple[list[Evidence], Goal | None]:
-    """Evidence found within ``seconds``, and the goal that it sets, ``most`` being the gap that is asked for; large problems set none.
+    """Evidence found within ``seconds``, and the goal that it sets for a search with the gap ``most``; large problems set none.
 
     Nothing is compiled for it: ``uncompiled`` receives the names of the methods that this leaves out.
     """
@@ -246,7 +246,7 @@ class Goal:
         return self.reached
 
     def met(self, value: float | None) -> bool:
-        """Whether ``value`` is that of the bound, or nobody can have any."""
+        """Whether ``value`` meets the bound, or there is no answer at all."""
         known = self.certificate.bound
         return self.infeasible or (value is not None and known is not None and same(value, known))
 
@@ -283,7 +283,7 @@ class BoundWork:
 
 
 class Bounding:
-    """Bounds of a problem within one budget: those that are there at once before its search, the others beside it where a core is free.
+    """Bounds of a problem within one budget: the quick ones before its search, the others beside it where a core is free.
 
     Parameters
     ----------
@@ -318,7 +318,7 @@ class Bounding:
         self._done, self._begun, self._told, self._lines = threading.Event(), False, 0, list[Control]()
 
     def begin(self, searched: Control, options: Options, competing: bool = False) -> None:
-        """Find what is there at once, and go on beside the search, whose line is ``searched``: it ends when nothing is left to gain.
+        """Find the quick bounds, and go on beside the search, whose line is ``searched``: it ends when nothing is left to gain.
 
         So it does where bounding comes across a best answer, if ``competing``.
         """

@@ -1,4 +1,4 @@
-"""Makes a solution of what a search left behind: nothing is believed that was not checked."""
+"""Makes a solution of the result of a search: nothing is believed that was not checked."""
 
 from __future__ import annotations
 
@@ -151,7 +151,7 @@ class Conclusion:
         self.seconds["bound"] += time.perf_counter() - began
 
     def _from_the_search(self) -> None:
-        """Its own evidence, and what the duals of a program prove."""
+        """Collect the search's own evidence, and that of the duals of its program."""
         result, compiled = self.searched.result, self.run.compiled
         self.evidence.extend(result.evidence)
         if compiled is not None and result.row_duals is not None and compiled.dual_evidence is not None:
@@ -208,7 +208,7 @@ class Conclusion:
             self.run.notes.append("the answer was found while its bound was looked for")
 
     def verify(self, record: Recorder) -> None:
-        """Ask the checkers what the evidence and the guarantee are worth; what contradicts the answer is a fault."""
+        """Have the checkers derive bounds from the evidence and the guarantee; a bound that contradicts the answer is a fault."""
         began = time.perf_counter()
         record.begin_phase("check")
         guarantee = self.searched.result.guarantee if self.best is not None else None
@@ -229,7 +229,7 @@ class Conclusion:
         return certify(self.problem, self.best)
 
     def bound_later_levels(self, record: Recorder) -> None:
-        """Bound what comes after the first priority of the objective, in the time that is left."""
+        """Bound the levels after the first priority of the objective, in the time that is left."""
         began, seconds_left = time.perf_counter(), self.bounding.budget - self.seconds["bound"]
         if len(self.problem.senses) > 1 and self.best is not None and seconds_left > 0.0 and not self.searched.interrupted:
             try:

@@ -235,7 +235,7 @@ def _proof(problem: Problem, seconds: float, control: Control) -> Evidence | Non
 
 
 def _proofs(problem: Problem, found: Sequence[Evidence]) -> Iterator[Evidence]:
-    """The first of ``found`` that proves that there is no answer."""
+    """The first piece of evidence that proves that there is no answer."""
     none = math.inf if problem.sense == "min" else -math.inf
     return (evidence for evidence in found if proved_bound(problem, evidence) == none)
 

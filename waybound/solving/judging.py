@@ -58,7 +58,7 @@ class Claim:
         return 0.0 if self.program is None else objective_unit(self.program)
 
     def values(self, levels: int) -> tuple[float, ...]:
-        """Claimed values of the best answer, one a level; those of the returned answer where none are claimed; empty without either."""
+        """Claimed values of the best answer, one per level; those of the returned answer if none are claimed; empty without either."""
         said = self.said
         claimed = () if said.objective is None else (said.objective, *(level.objective for level in said.further))
         if len(claimed) == levels:
@@ -72,12 +72,12 @@ class Claim:
         return self.said.bound if self.exactness.bound_is_valid else None
 
     def close(self, known: Evaluation, level: int, value: float) -> bool:
-        """Whether ``value``, by its own count, is that of an answer at a level."""
+        """Whether ``value``, as the solver computes it, is that of an answer at a level."""
         size = known.sizes[level] if known.sizes else 0.0
         return self.near(known.values[level], value, size, known.precision, first=level == 0)
 
     def near(self, known: float, value: float, size: float = 0.0, precision: float = 0.0, first: bool = True) -> bool:
-        """Whether ``value``, by its own count, is ``known``; of the first level in no finer parts than those of what it counts as 1."""
+        """Whether ``value``, as the solver computes it, is ``known``; at the first level no finer than the solver's unit."""
         precision = max(CLAIM_TOLERANCE, precision)
         return same(known, value, size, precision) or (first and same(known, value, self._unit, precision))
 
@@ -138,7 +138,7 @@ def false_answer(claim: Claim, senses: Sequence[str]) -> Iterator[str]:
 
 
 def contradictions(claim: Claim, senses: Sequence[str], best: Evaluation | None, certificate: Certificate) -> list[str]:
-    """Each claim that the best answer that passed every check, or what is proved, refutes."""
+    """The claims that the best answer that passed every check, or a proof, refutes."""
     return [f"{claim.solver} claims {words}" for words in _refuted(claim, senses, best, certificate)]
 
 

@@ -1,4 +1,4 @@
-"""Bounds of objectives in order of priority: a level after the other, as long as those before are closed."""
+"""Bounds of objectives in order of priority: level by level, as long as those before are closed."""
 
 from __future__ import annotations
 

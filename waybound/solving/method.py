@@ -1,4 +1,4 @@
-"""The method that answers: chosen where the user names none, refused where it cannot take the problem, and made ready to run."""
+"""The method: chosen if the user names none, refused if it cannot take the problem, and made ready to run."""
 
 from __future__ import annotations
 
@@ -180,7 +180,7 @@ class Run:
 
 
 def requested_run(problem: Problem, given: Compiled | None, request: Request, options: Options) -> Run:
-    """The search that is asked for; of the default solver, begun by a heuristic, where no method, form or relaxation is named.
+    """The run that is asked for; by the default solver, perhaps begun by a heuristic, if no method, form or relaxation is named.
 
     Raises UsageError, UnsupportedError, MissingPackageError of what the method cannot take or keep to.
     """
@@ -281,7 +281,7 @@ def heuristic_run(problem: Problem, name: str, options: Options, isolate: bool) 
 
 
 def _refuse_ignored(who: str, honours: frozenset[str], options: Options) -> None:
-    """Raise UsageError for what the method would not keep to."""
+    """Raise UsageError for a limit that the method does not keep to."""
     for name, value in options.asked().items():
         if name not in honours:
             able = sorted(n for n in BACKENDS if name in BACKENDS[n].honours)

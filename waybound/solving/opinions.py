@@ -1,4 +1,4 @@
-"""Second opinions: other solvers asked about what one claims without evidence."""
+"""Second opinions: other solvers are asked about a claim that has no evidence."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ MOST_ENTRIES = 100_000
 
 
 def independent(program: Program, solver: str) -> list[str]:
-    """Installed solvers that take the program by another engine than ``solver``, one for each engine, the quick to ask first."""
+    """Installed solvers that take the program with another engine than ``solver``, one per engine, the quickest to start first."""
     first = solver_named(solver)
     quickest: dict[str, tuple[bool, int, str]] = {}
     for name in takers(program.features()):
@@ -45,7 +45,7 @@ def independent(program: Program, solver: str) -> list[str]:
 
 
 def program_of(problem: Problem) -> Compiled | None:
-    """The problem in an exact form, to be put to others where no program was searched.
+    """The problem in an exact form, for other solvers, where no program was searched.
 
     None where no solver takes one, where it cannot be written, or where writing it would take too long.
     """
