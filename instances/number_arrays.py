@@ -71,7 +71,7 @@ BLOCK = 1 << 15
 
 
 class Spread(NamedTuple):
-    """The least and the largest of some numbers, 0 of none, and whether all are whole; beside infinity or NaN it is the largest."""
+    """Least and largest of some numbers, 0 without any, and whether all are whole; an infinity or NaN among them is ``largest``."""
 
     least: float
     largest: float
@@ -133,7 +133,7 @@ def size(what: str, value: Any) -> int:
 
 
 def refuse_unused(what: str, count: int, used: int, users: str) -> None:
-    """Raise InputError if more than ``MOST_UNUSED`` of ``count`` things are without a user: nothing of that size is allocated."""
+    """Raise InputError if more than ``MOST_UNUSED`` of ``count`` entries are unused, before anything of that size is allocated."""
     if count - used > MOST_UNUSED:
         raise InputError(
             f"there are {count} {what}, but only {used} {users}", "too-large", expected=f"at most {MOST_UNUSED} more {what} than {users}"

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Compiled:
-    """A program, what it was made of, and what connects the two.
+    """A program, the problem that it was made of, and the ways between the two.
 
     Parameters
     ----------

@@ -82,5 +82,5 @@ def of_family(family: str, lacks: Callable[[Any], frozenset[str]] = lambda probl
 
 
 def replaced(problem: Any) -> frozenset[str]:
-    """Names of the methods for which another one stands where ``problem`` is concerned."""
+    """Names of the methods that another one replaces for ``problem``."""
     return frozenset[str]().union(*(method.replaces(problem) for method in BOUNDS.values()))

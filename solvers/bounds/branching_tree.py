@@ -1,4 +1,4 @@
-"""Bound ``branching-tree``: branch and bound that is there to prove, whoever found the answer.
+"""Bound ``branching-tree``: branch and bound that proves bounds, whatever method found the answer.
 
 Every node's linear relaxation leaves row duals, or a ray where it is infeasible; the family's own checker multiplies them out on the
 problem restricted by the branchings above (``Problem.restricted``), and what it derives is the node's bound: nothing that the simplex

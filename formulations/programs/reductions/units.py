@@ -55,11 +55,11 @@ class Scaled(Step):
         return np.asarray(np.ldexp(x, -self.columns), dtype=np.float64)
 
     def residual(self, x: Floats) -> float:
-        """Largest violation by a vector of the program as it was, as a solver counts it."""
+        """Largest violation by a vector of the original program, in the solver's units."""
         return float(self.program.residual(self.encoded(x)))
 
     def counted(self, value: float) -> float:
-        """Objective of the program as it was, as a solver counts it."""
+        """Objective of the original program, in the solver's unit."""
         return _times(value, self.objective)
 
     def value(self, value: float) -> float:
