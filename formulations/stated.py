@@ -114,11 +114,11 @@ def _same(stated: Mapping[str, Any], own: Mapping[str, Any], size: float) -> boo
     if stated.keys() != own.keys():
         return False
     for key, value in own.items():
-        given = stated[key]
-        if isinstance(value, float) and not isinstance(given, bool) and isinstance(given, int | float):
-            if not same(_figure(given, key), value, size if math.isfinite(size) else 0.0):
+        stated_value = stated[key]
+        if isinstance(value, float) and not isinstance(stated_value, bool) and isinstance(stated_value, int | float):
+            if not same(_figure(stated_value, key), value, size if math.isfinite(size) else 0.0):
                 return False
-        elif key != "message" and (type(given) is not type(value) or given != value):
+        elif key != "message" and (type(stated_value) is not type(value) or stated_value != value):
             return False
     return True
 

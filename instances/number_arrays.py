@@ -110,11 +110,11 @@ def _swept(values: Floats, copy: Floats) -> Spread:
 
 def unchanging(values: NDArray[Any]) -> bool:
     """Whether neither this array nor any that it is a view of can be written to."""
-    held: Any = values
-    while isinstance(held, np.ndarray) and not held.flags.writeable:
-        if held.base is None:
+    array: Any = values
+    while isinstance(array, np.ndarray) and not array.flags.writeable:
+        if array.base is None:
             return True
-        held = held.base
+        array = array.base
     return False
 
 

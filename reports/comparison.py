@@ -274,10 +274,10 @@ def compare(
     from ..solvers import interrupts
     from ..solving.search_log import shown
 
-    asked = _asked(methods)
+    names = _asked(methods)
     runs: list[Compared] = []
     with shown(log) as written:
-        for name, own in asked.items():
+        for name, own in names.items():
             last = runs[-1].solution if runs else None
             if runs and (interrupts.received or (last is not None and last.limit == "interrupt")):
                 runs.append(Compared(name, None, "not run: interrupted"))

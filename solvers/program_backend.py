@@ -141,11 +141,11 @@ class ProgramBackend(Backend):
             raise self.refusal({str(fault)}, program) from None
         start = None if options.start is None else chain.encoded(np.asarray(options.start, dtype=np.float64))
         relay, began = _Relay(control, chain), time.perf_counter()
-        said = self.search(chain.program, replace(options, start=start), relay)
-        if said.status == "infeasible_or_unbounded":
+        raw = self.search(chain.program, replace(options, start=start), relay)
+        if raw.status == "infeasible_or_unbounded":
             seconds_left = options.time_limit - (time.perf_counter() - began)
-            said = replace(said, status=self._which(chain.program, replace(options, time_limit=seconds_left), control))
-        result = self._concluded(chain.program, said, relay)
+            raw = replace(raw, status=self._which(chain.program, replace(options, time_limit=seconds_left), control))
+        result = self._concluded(chain.program, raw, relay)
         answer = None if result.answer is None else np.asarray(chain.vector(result.answer), dtype=np.float64)
         objective = None if answer is None else program.value(answer)
         bound = None if result.bound is None else chain.bound(result.bound)
@@ -153,13 +153,13 @@ class ProgramBackend(Backend):
         counted = [v if v is None or units is None else units.counted(v) for v in (objective, bound)]
         if bound is not None and result.status == "optimal" and chain.exactness is Exactness.EXACT and not _meet(*counted):
             # What is near without a constant need not be near with one.
-            result = replace(result, status="feasible", limit=said.limit if said.limit != "none" else "gap")
+            result = replace(result, status="feasible", limit=raw.limit if raw.limit != "none" else "gap")
         if result.status == "feasible" and not program.is_integer:
             objective = None  # on no vertex, a point is as good as its residuals: what it is worth is for the judge to say
         return replace(
             result,
             answer=answer,
-            objective=objective if said.objective is None else chain.value(said.objective),
+            objective=objective if raw.objective is None else chain.value(raw.objective),
             bound=bound,
             row_duals=None if result.row_duals is None else chain.duals(result.row_duals),
             holds=chain.exactness,

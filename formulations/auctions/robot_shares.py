@@ -126,5 +126,5 @@ def settings_of(name: str, settings: Mapping[str, Any], known: tuple[str, ...]) 
 
 def saved(problem: RobotShares, **settings: Any) -> RobotTasks:
     """The instance with the settings that make this problem of it."""
-    made: RobotTasks = with_settings(replace(problem.instance, problem=problem.problem), settings)
-    return made
+    tasks: RobotTasks = with_settings(replace(problem.instance, problem=problem.problem), settings)
+    return tasks

@@ -93,10 +93,10 @@ def _in_fractions(p: _Arrays, y: Floats) -> tuple[float, Floats]:
         return -math.inf, y
     for i, j, a in zip(p.row.tolist(), p.column.tolist(), p.value.tolist(), strict=True):
         columns[j].append((i, Fraction(a)))
-    given = [Fraction(v) for v in y.tolist()]
+    fractions = [Fraction(v) for v in y.tolist()]
     free = {j for j, (a, b) in enumerate(zip(p.lower.tolist(), p.upper.tolist(), strict=True)) if a == -math.inf and b == math.inf}
     for _ in range(_PASSES):
-        duals = _moved(columns, given, p.cost.tolist(), sorted(free))
+        duals = _moved(columns, fractions, p.cost.tolist(), sorted(free))
         if duals is None:
             return -math.inf, y
         reduced = [

@@ -37,9 +37,9 @@ def arguments_of(frame: pd.DataFrame) -> tuple[bool, dict[str, Any]]:
     """True for a table of pairs, False for a matrix, with the arguments of ``from_pairs`` or ``from_matrix``."""
     if not hasattr(frame, "columns") or not hasattr(frame, "iloc"):
         raise InputError("costs must be a pandas frame", found=type(frame).__name__)
-    held = [_title(name) for name in frame.index.names if name is not None]
+    index_names = [_title(name) for name in frame.index.names if name is not None]
     titles = [_title(title) for title in frame.columns]
-    if set(held) & {"robot", "bin"} and _of_pairs([*held, *titles]):
+    if set(index_names) & {"robot", "bin"} and _of_pairs([*index_names, *titles]):
         frame = frame.reset_index()
         titles = [_title(title) for title in frame.columns]
     return (True, _pairs(frame, titles)) if _of_pairs(titles) else (False, _matrix(frame, titles))

@@ -85,14 +85,14 @@ class _Costs:
     def estimates(self, columns: NDArray[np.int64], values: Floats) -> tuple[Floats, Floats]:
         """Expected gain of the bound from branching on each of ``columns``, downwards and upwards; their mean where nothing is known."""
         down = values - np.floor(values)
-        found = []
+        gains = []
         for side, distance in ((0, down), (1, 1.0 - down)):
             seen = self.seen[side]
             known = seen > 0
             mean = float((self.gain[side, known] / seen[known]).mean()) if known.any() else 1.0
             rate = np.where(known[columns], self.gain[side, columns] / np.maximum(seen[columns], 1), mean)
-            found.append(rate * distance)
-        return found[0], found[1]
+            gains.append(rate * distance)
+        return gains[0], gains[1]
 
 
 class _Tree(ProofTree[_Node]):

@@ -231,7 +231,7 @@ class Goal:
         """Whether it is proved that there is no answer."""
         return self.certificate.infeasible
 
-    def told(self) -> dict[str, Any]:
+    def event(self) -> dict[str, Any]:
         """The event of the best bound that was checked so far."""
         worst = math.inf if self.problem.sense == "min" else -math.inf
         bound = worst if self.infeasible else self.certificate.bound
@@ -285,21 +285,14 @@ class BoundWork:
 class Bounding:
     """Bounds of a problem within one budget: the quick ones before its search, the others beside it where a core is free.
 
-    Parameters
-    ----------
-    budget : float, seconds
-        None of it is left once it is proved that there is no answer.
-    record : Recorder
-        Hears of each bound.
+    ``budget`` is in seconds, and 0 once it is proved that there is no answer.
 
     Attributes
     ----------
-    first : list of Evidence
-        What was found before the search.
+    first, seconds : list of Evidence, float
+        Found, and spent, before the search.
     goal : Goal or None
         Ends the search where it is set.
-    seconds : float
-        Spent before the search.
     beside : bool
         Whether bounding goes on beside the search.
     line : Control
@@ -328,7 +321,7 @@ class Bounding:
         self.first, self.goal = first_evidence(self.problem, most, self.linear, options.gap, uncompiled)
         searched.goal, self._lines = self.goal, [searched, self.line] if competing else [searched]
         if self.goal is not None and self.first:
-            self._record.of_bounds(self.goal.told())
+            self._record.of_bounds(self.goal.event())
         if self.no_answer:
             self.budget = 0.0
         elif self.goal is not None and (self.budget > FIRST_SECONDS or (self.budget > 0 and uncompiled)) and free_core(options.threads):

@@ -271,10 +271,9 @@ class Judge:
         return None, None
 
     def consider(self, raw: Any, whose: str, decode: Callable[[Any], Any] | None = None, *, claimed: bool = False) -> Evaluation | None:
-        """Evaluate a candidate and remember it; None if it cannot be decoded or judged, which is noted.
+        """Evaluate a candidate, ``whose`` in messages, and remember it; None, with a note, if it cannot be decoded or judged.
 
-        ``whose`` names it in messages; a ``claimed`` answer that is none is a fault. ``decode`` turns ``raw`` into an answer, by default as
-        for the solver's own results.
+        ``decode`` turns ``raw`` into an answer, by default as for the solver's own results.
         """
         if raw is None:
             return None

@@ -140,11 +140,11 @@ def merged_moves(problem: RoutingProblem, moves: Flags) -> Flags:
 
 def smallest(sets: Sequence[Flags]) -> list[Flags]:
     """The sets that contain no other set of the list: who makes a move of the smaller set makes one of the larger set, too."""
-    found: list[Flags] = []
+    minimal: list[Flags] = []
     for moves in sets:
-        if not any((known <= moves).all() for known in found):
-            found = [*(known for known in found if not (moves <= known).all()), moves]
-    return found
+        if not any((known <= moves).all() for known in minimal):
+            minimal = [*(known for known in minimal if not (moves <= known).all()), moves]
+    return minimal
 
 
 def fewest_carriers(problem: RoutingProblem, groups: Sequence[Longs]) -> list[int]:

@@ -146,7 +146,7 @@ class PersistentExploration(Mission):
         return {"pure-greedy": self._pure_greedy, "stay": lambda o: {}}
 
     def _pure_greedy(self, o: MapObservation) -> Actions:
-        v, told = self.values, False
+        v, assigned = self.values, False
         waiting = {k for k, state in enumerate(o.robots) if state.free or state.aloft} - {
             k for k, stops in self._stops.items() if any(moment >= o.clock + v["tick"] - 1e-6 for _, moment in stops)
         }
@@ -163,8 +163,8 @@ class PersistentExploration(Mission):
             if score[k] == -np.inf or not h.extend(plan, (int(h.pool[k, 0]), int(h.pool[k, 1]))):
                 waiting.discard(plan.robot)
             else:
-                told = True
-        return self._told(h) if told else {}
+                assigned = True
+        return self._told(h) if assigned else {}
 
     def measures(self, decisions: Sequence[Decision], world: World) -> dict[str, float]:
         """``selected``: views of all rounds of the step; ``assigned``: those that are on a route; ``selection_gap``: by how much all
