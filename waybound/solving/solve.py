@@ -27,7 +27,7 @@ from .search import Searched, search
 from .search_log import Log, shown
 
 PRICED_EVERY = 0.25
-"""Least seconds between two incumbents of several levels that are priced for who watches."""
+"""Least seconds between two incumbents of an objective with levels that are evaluated for listeners."""
 
 
 def solve(problem: Problem | Compiled, request: Request | None = None, *, progress: Progress | None = None, log: Log = None) -> Solution:
