@@ -14,7 +14,7 @@ from .evidence import Evidence
 from .problem import Problem
 from .rendering import number
 from .stated import real, stated_evidence
-from .verified_bounds import beats_bound, better_bound, verified_bound
+from .verified_bounds import beats_bound, better_bound, one_check_is_wrong, verified_bound
 
 if TYPE_CHECKING:
     from .certificate import Certificate
@@ -78,17 +78,13 @@ def best_level_bound(
                 if unproved is not None:
                     unproved.append(f"no solution is worth {number(before)} before level {level + 1}: {piece.source}")
                 return None
-            raise CheckFailedError(
-                f"an answer passed every check, but {piece.source} proves that none is as good before level {level + 1}: "
-                "one of the two checks is wrong; please report this"
-            )
+            known = f"an answer passed every check, but {piece.source} proves that none is as good"
+            raise one_check_is_wrong(f"{known} before level {level + 1}")
     if best is not None and evaluation is not None and evaluation.feasible:
         size = evaluation.sizes[level] if evaluation.sizes else 0.0
         if beats_bound(sense, evaluation.values[level], best.bound, size):
-            raise CheckFailedError(
-                f"the answer's value {evaluation.values[level]!r} at level {level + 1} is better than the bound {best.bound!r} "
-                f"derived from {best.source}: one of the two checks is wrong; please report this"
-            )
+            value = f"the answer's value {evaluation.values[level]!r} at level {level + 1}"
+            raise one_check_is_wrong(f"{value} is better than the bound {best.bound!r} derived from {best.source}")
     return best
 
 

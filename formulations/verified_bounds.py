@@ -6,7 +6,7 @@ import math
 from dataclasses import replace
 from typing import Any
 
-from ..instances.errors import InputError
+from ..instances.errors import CheckFailedError, InputError
 from . import tolerance
 from .evidence import CHECKERS, ENDLESS, Evidence
 from .problem import Problem
@@ -20,6 +20,11 @@ def better_bound(sense: str, a: float, b: float) -> bool:
 def beats_bound(sense: str, objective: float, bound: float, size: float = 0.0) -> bool:
     """Whether an objective is better than a bound allows, beyond rounding."""
     return better_bound(sense, bound, objective) and not tolerance.same(objective, bound, size)
+
+
+def one_check_is_wrong(contradiction: str) -> CheckFailedError:
+    """The error for two checks that cannot both be right."""
+    return CheckFailedError(f"{contradiction}: one of the two checks is wrong; please report this")
 
 
 def verified_bound(problem: Problem, evidence: Evidence) -> float:
