@@ -194,7 +194,7 @@ def _decode_sites(data: Any) -> Sites:
 
 
 def _loads(data: Any, path: str, n: int) -> Any:
-    """One number per site, or one list of numbers a site with several load dimensions."""
+    """One number per site, or one list per site if there are several load dimensions."""
     rows = array(data, path, n)
     if not any(isinstance(row, list) for row in rows):
         return reals(rows, path, n)

@@ -57,7 +57,7 @@ class Sides:
         self.tau, self.sigma = 1.0 / heaviest[self.owner], 1.0 / np.asarray(self.matrix.sum(axis=0)).ravel()
 
     def shares(self, aims: Floats) -> Floats:
-        """The nearest shares that sum to 1 a robot."""
+        """The projection of ``aims`` on shares that sum to 1 for each robot."""
         kept = np.ones(len(aims), bool)
         while True:
             total = np.bincount(self.owner, np.where(kept, aims, 0.0), self.robots) - 1.0

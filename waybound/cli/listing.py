@@ -148,7 +148,7 @@ def _examine(
 
 
 def _examined(names: Sequence[str], draw: Draw, own: dict[str, Any], quiet: bool) -> list[Examination]:
-    """Ctrl-C ends the examination under way, which then brings what it has; a second one is not begun after it."""
+    """Examine the solvers one by one; Ctrl-C ends the examination under way, keeps its results, and begins no further one."""
     from ..reports.battery.examining import examine
 
     examinations: list[Examination] = []

@@ -333,7 +333,7 @@ def _widened_resource(
 
 
 def narrowed(resources: dict[str, Resource], allowed: Flags) -> dict[str, Resource]:
-    """Reachable levels of every resource; clears from ``allowed`` what no route can use, until nothing changes."""
+    """The reachable levels of every resource; removes from ``allowed`` the moves that no route can use, until nothing changes."""
     for _ in range(_ROUNDS):
         before = int(allowed.sum())
         reachable = {}

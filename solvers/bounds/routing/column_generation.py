@@ -287,7 +287,7 @@ class ColumnGeneration:
                 return best
 
     def _near(self, centre: Prices | None) -> Stabilisation:
-        """A way to choose prices that begins near some; a box at first with what it costs to go there and back."""
+        """A stabilisation that begins at ``centre``; the box by default at the last prices, or at first at those of round trips."""
         if self.stabilisation == BOXED:
             centre = centre or self.point.prices or self.there_and_back
         size = 0.0 if centre is None else float(np.abs(centre.visits).mean())
