@@ -133,12 +133,12 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
         if len(self.declared) == 1:
             self.make()
             return self  # called again, now that it converts what it is given
-        types = [self.typeof_pyval(value) for value in args]
+        kinds = [self.typeof_pyval(value) for value in args]
         for signature in self._signatures():
             wanted = sigutils.normalize_signature(signature)[0]
-            if all(self.typingctx.can_convert(one, other) is not None for one, other in zip(types, wanted, strict=True)):
+            if all(self.typingctx.can_convert(one, other) is not None for one, other in zip(kinds, wanted, strict=True)):
                 return self.compile(signature)
-        raise TypeError(f"{self.title} is declared for {' or '.join(self.declared)}, not for ({', '.join(map(str, types))})")
+        raise TypeError(f"{self.title} is declared for {' or '.join(self.declared)}, not for ({', '.join(map(str, kinds))})")
 
     def _signatures(self) -> list[Any]:
         if self._parsed is None:
@@ -172,16 +172,16 @@ def kernel(*declared: str, **options: Any) -> Callable[[Callable[..., Any]], Ker
 
     def made(function: Callable[..., Any]) -> Kernel:
         try:
-            dispatcher = numba.njit(cache=True, **options)(function)
-            dispatcher._cache.save_overload = _forgiving(dispatcher._cache.save_overload)
-            kept = dispatcher._cache._cache_file
+            found = numba.njit(cache=True, **options)(function)
+            found._cache.save_overload = _forgiving(found._cache.save_overload)
+            kept = found._cache._cache_file
             kept._source_stamp = (kept._source_stamp, *_stamps(function))
         except (RuntimeError, OSError):  # RuntimeError is numba's word for "no locator available": nowhere to keep the cache
-            dispatcher = numba.njit(**options)(function)
-        dispatcher.__class__ = Kernel
-        dispatcher._compiler._customize_flags = _Flags
-        dispatcher.declared = declared
-        return dispatcher  # type: ignore[no-any-return]
+            found = numba.njit(**options)(function)
+        found.__class__ = Kernel
+        found._compiler._customize_flags = _Flags
+        found.declared = declared
+        return found  # type: ignore[no-any-return]
 
     return made
 

@@ -25,10 +25,7 @@ MOST: dict[str, float] = {
 
 
 def check_number(name: str, value: Any, *, above: float | None = None, option: str | None = None) -> None:
-    """Raise UsageError unless ``value`` is a number of at least 0 (more than ``above``, if given) and at most ``MOST[name]``.
-
-    ``option`` is the name that the message uses, by default ``name``.
-    """
+    """Raise UsageError, which says ``option`` or ``name``, unless ``value`` is a number from 0, or above ``above``, to ``MOST[name]``."""
     said = option or name
     if isinstance(value, bool) or not issubclass(type(value), Real) or not (value >= 0 if above is None else value > above):
         raise UsageError(f"{said} must be {'not negative' if above is None else 'positive'}, not {value!r}", "out-of-range")

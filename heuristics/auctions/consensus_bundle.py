@@ -44,7 +44,7 @@ def consensus_bundle(problem: TaskAllocation, context: Context, *, communication
     if stop.reached():
         return Outcome(completed(problem, _once(paths)), statistics=statistics, message=CUT_SHORT, limit=stop.reached())
     spare = problem.num_tasks - len({task for path in paths for task in path})
-    message = "" if agreement.agreed else "the robots did not agree; who comes first keeps a task"
+    message = "" if agreement.agreed else "the robots did not agree; the first of them keeps a contested task"
     if spare:
         message = "; ".join(
             part for part in (message, f"{spare} tasks that nobody had room for were inserted where they add least") if part

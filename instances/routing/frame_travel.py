@@ -60,7 +60,7 @@ def moves_of(travel: Any, durations: Any, sites: Ids, nodes: Ids, times: Times, 
     elif is_list(travel, sites):
         distance, own, notes = listed_moves(travel, sites, times)
         if own is not None and durations is not None:
-            raise InputError("durations are told twice", "duplicate", expected="durations, or the column duration of the moves")
+            raise InputError("durations are given twice", "duplicate", expected="durations, or the column duration of the moves")
     else:
         distance = matrix_of(travel, sites, "distance", None)
     own = own if durations is None else matrix_of(durations, sites, "duration", times)

@@ -264,10 +264,7 @@ def _ready() -> dict[tuple[str, str], Callable[[], Any]]:
 
 
 def _learn(modules: list[str], loops: list[tuple[str, str]]) -> None:
-    """Load the modules and compiled loops of a finished run here, so that later runs inherit them.
-
-    Loops are loaded from the cache on disk and never compiled: the next run would wait for the compiler.
-    """
+    """Load a finished run's modules and compiled loops here, for later runs to inherit; none is compiled for that."""
     for name in modules:
         with suppress(Exception):
             importlib.import_module(name)

@@ -138,16 +138,16 @@ def fleet_energy(setting: StudySetting) -> Report:
 
 def broken_schedules(rows: list[dict[str, Any]]) -> list[Fault]:
     """Schedules that the checker rejects, programs without a proof, and plans that are better than the proved best."""
-    faults = []
+    broken = []
     pairs: dict[int, dict[str, Any]] = {}
     for row in rows:
         if row["part"] != "schedule":
             continue
         pairs.setdefault(row["seed"], {})[row["method"]] = (row["alone"], row["takeoffs"])
         if row["faults"] or not row["proved"]:
-            faults.append(Fault("answer", f"seed {row['seed']}, {row['method']}: {row['faults'] or 'not proved'}", None, row["method"]))
+            broken.append(Fault("answer", f"seed {row['seed']}, {row['method']}: {row['faults'] or 'not proved'}", None, row["method"]))
     better = [seed for seed, pair in pairs.items() if pair["one by one"] < pair["fewest takeoffs"]]
-    return [*faults, *(Fault("bound", f"seed {seed}: one by one is better than the fewest takeoffs", None, "order") for seed in better)]
+    return [*broken, *(Fault("bound", f"seed {seed}: one by one is better than the fewest takeoffs", None, "order") for seed in better)]
 
 
 def means(runs: pd.DataFrame) -> list[dict[str, Any]]:
