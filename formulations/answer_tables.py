@@ -28,14 +28,14 @@ def frame_of(text: str) -> pd.DataFrame:
     import pandas as pd
 
     try:
-        made = pd.read_csv(io.StringIO(text), sep=None, engine="python", dtype=str, skipinitialspace=True)
+        frame = pd.read_csv(io.StringIO(text), sep=None, engine="python", dtype=str, skipinitialspace=True)
     except (ValueError, pd.errors.ParserError) as error:
         raise InputError(f"is no CSV: {in_words(error)}") from None
-    return _ordered(made)
+    return _ordered(frame)
 
 
 def _ordered(frame: pd.DataFrame) -> pd.DataFrame:
-    """The frame with its positions as numbers, for text sorts 10 before 2; where it has none, rows are in order."""
+    """The frame with positions as numbers, since text sorts 10 before 2; without positions, the order of rows counts."""
     import pandas as pd
 
     frame.columns = [str(title).strip() for title in frame.columns]
@@ -62,11 +62,11 @@ def first_sheet(path: str | PathLike[str], data: bytes) -> pd.DataFrame:
         sheets = pd.read_excel(io.BytesIO(data), sheet_name=None, dtype=str, keep_default_na=False, na_values=[""], engine="openpyxl")
     except Exception as error:  # a broken archive fails in many ways
         raise InputError(f"is no workbook: {in_words(error)}", file=path) from None
-    found = sheets.get("visits", next(iter(sheets.values()), None))
-    if found is None:
+    sheet = sheets.get("visits", next(iter(sheets.values()), None))
+    if sheet is None:
         raise InputError("holds no sheet", "missing", file=path)
     try:
-        return _ordered(found)
+        return _ordered(sheet)
     except InputError as error:
         raise error.at(file=path) from None
 
@@ -82,11 +82,11 @@ def workbook(sheets: Mapping[str, pd.DataFrame]) -> bytes:
     stream = io.BytesIO()
     with pd.ExcelWriter(stream, engine="openpyxl") as writer:
         for name, frame in sheets.items():
-            held = frame.copy()
-            for title in held.columns:
-                if isinstance(held[title].dtype, pd.DatetimeTZDtype):
-                    held[title] = held[title].dt.tz_localize(None)
-            held.to_excel(writer, sheet_name=name[:31], index=False)
+            cells = frame.copy()
+            for title in cells.columns:
+                if isinstance(cells[title].dtype, pd.DatetimeTZDtype):
+                    cells[title] = cells[title].dt.tz_localize(None)
+            cells.to_excel(writer, sheet_name=name[:31], index=False)
         for sheet in writer.book.worksheets:
             for row in sheet.iter_rows(min_row=2):
                 for cell in row:

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Mapping
 from dataclasses import dataclass
 from os import PathLike
 from pathlib import Path
@@ -11,10 +10,11 @@ from typing import TYPE_CHECKING, Any
 
 from ..instances.atomic import atomic_write
 from ..instances.document import parse_json
-from ..instances.errors import InputError, UsageError, WayboundError, in_words
+from ..instances.errors import InputError, UsageError
 from ..instances.printable import printable
-from ..instances.text import an, decode, read_bytes
+from ..instances.text import decode, read_bytes
 from .answer_tables import first_sheet, frame_of, is_table, workbook
+from .evaluation import input_errors
 from .json_text import json_text
 from .problem import Problem
 from .programs.solution_files import SolverFile, is_solver_json, solver_file, solver_json
@@ -37,18 +37,6 @@ class ReadAnswer:
     notes: tuple[str, ...] = ()
 
 
-@contextmanager
-def taken_by(problem: Problem) -> Iterator[None]:
-    """Raises InputError for whatever the family's reader or judge fails at within the block: an answer may be given as anything."""
-    try:
-        yield
-    except (WayboundError, MemoryError):
-        raise
-    except Exception as fault:
-        why = printable(in_words(fault), 120)
-        raise InputError(f"it fails as an answer to {an(problem.problem)} problem", found=why) from fault
-
-
 def read_answer(problem: Problem, path: str | PathLike[str], form: str | None = None) -> ReadAnswer:
     """The answer in a solution file, recognised by content: JSON, a table, what else the problem's answers are written as, or what a
     solver wrote of an exported form.
@@ -57,7 +45,7 @@ def read_answer(problem: Problem, path: str | PathLike[str], form: str | None = 
     solution of such a problem, UsageError if the file's format cannot express answers to this problem.
     """
     try:
-        with taken_by(problem):
+        with input_errors(problem.problem):
             return _read_answer(problem, path, form)
     except InputError as error:
         raise error.at(file=path) from error.__cause__
@@ -97,7 +85,7 @@ def _of_solver(problem: Problem, solved: SolverFile, form: str | None) -> ReadAn
 
 
 def answer_in_json(problem: Problem, data: Mapping[str, Any]) -> ReadAnswer:
-    """The answer in the JSON of a solution or of an answer; raises InputError for anything else."""
+    """Read an answer from JSON, as a whole solution is written or an answer alone; raises InputError for anything else."""
     if "answer" not in data:
         return ReadAnswer(problem.answer_from_json(data))
     if data["answer"] is None:

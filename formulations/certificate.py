@@ -18,7 +18,7 @@ from .levels import LevelBound, check_levels, with_levels
 from .problem import Problem
 from .rendering import Line, as_html, as_rich, as_text, number, percent
 from .stated import compare_answer, real, stated_evidence, stated_guarantee
-from .verified_bounds import beats_bound, better_bound, proves_unbounded, verified_bound
+from .verified_bounds import beats_bound, better_bound, one_check_is_wrong, proves_unbounded, verified_bound
 
 SCHEMA = 1
 """Version of the certificate's JSON."""
@@ -190,17 +190,7 @@ def certify(
     ``unproved``. Raises CheckFailedError if a verified bound, or a proof that there is no answer, contradicts a feasible answer: both
     cannot be right.
     """
-    verified, endless = [], []
-    known = {id(e): bound for e, bound in checked}
-    for e in evidence:
-        try:
-            verified.append((known[id(e)] if id(e) in known else verified_bound(problem, e), e))
-            if proves_unbounded(problem, e):
-                endless.append(e)
-        except (Exception, KeyboardInterrupt) as fault:
-            if unproved is None:
-                raise
-            unproved.append(f"{e.source} is no bound: {in_words(fault)}")
+    verified, endless = _verified(problem, evidence, unproved, {id(e): bound for e, bound in checked})
     worst = math.inf if problem.sense == "min" else -math.inf
     refuting = [e for b, e in verified if b == worst]
     if refuting and evaluation is not None and evaluation.feasible:  # what residuals are worth may be an answer where there is none
@@ -209,27 +199,19 @@ def certify(
     proved.sort(key=lambda pair: pair[0], reverse=problem.sense == "min")
     if endless and (refuting or proved):
         other = refuting[0] if refuting else proved[0][1]
-        raise CheckFailedError(
-            f"{endless[0].source} contradicts {other.source}, which proves {'that there is no answer' if refuting else 'a bound'}: "
-            "one of the two checks is wrong; please report this"
-        )
+        claim = "that there is no answer" if refuting else "a bound"
+        raise one_check_is_wrong(f"{endless[0].source} contradicts {other.source}, which proves {claim}")
     bound = proved[0][0] if proved and not refuting else None
     best = refuting[:1] or endless[:1] or [replace(e, value=b) for b, e in proved[:1]]  # whatever its finder claims of it
     gap = ratio = None
     if evaluation is not None and evaluation.feasible:
         value = evaluation.values[0]
         if refuting:
-            raise CheckFailedError(
-                f"an answer of value {value!r} passed every check, but {best[0].source} proves that there is none: "
-                "one of the two checks is wrong; please report this"
-            )
+            raise one_check_is_wrong(f"an answer of value {value!r} passed every check, but {best[0].source} proves that there is none")
         if bound is not None:
             beaten = beats_bound(problem.sense, value, bound, evaluation.size)
             if beaten and not abs(value - bound) <= problem.concession(best[0], evaluation):
-                raise CheckFailedError(
-                    f"the answer's value {value!r} is better than the bound {bound!r} derived from {best[0].source}: "
-                    "one of the two checks is wrong; please report this"
-                )
+                raise one_check_is_wrong(f"the answer's value {value!r} is better than the bound {bound!r} derived from {best[0].source}")
             gap = tolerance.gap(value, bound, evaluation.size, evaluation.precision)
             if len(evaluation.values) > 1 and tolerance.same(value, bound, evaluation.size):
                 gap = None
@@ -254,8 +236,25 @@ def certify(
     )
 
 
+def _verified(
+    problem: Problem, evidence: Sequence[Evidence], unproved: list[str] | None, known: Mapping[int, float]
+) -> tuple[list[tuple[float, Evidence]], list[Evidence]]:
+    """The bound that each piece of evidence proves, and the pieces that prove the problem unbounded; ``known`` are bounds by ``id``."""
+    verified, endless = [], []
+    for e in evidence:
+        try:
+            verified.append((known[id(e)] if id(e) in known else verified_bound(problem, e), e))
+            if proves_unbounded(problem, e):
+                endless.append(e)
+        except (Exception, KeyboardInterrupt) as fault:
+            if unproved is None:
+                raise
+            unproved.append(f"{e.source} is no bound: {in_words(fault)}")
+    return verified, endless
+
+
 def judged_only(problem: Problem, evaluation: Evaluation | None) -> Certificate:
-    """A certificate of what the judge found, where bounds could not be certified."""
+    """A certificate of the judge's verdict alone, where bounds could not be certified."""
     digest: Any
     try:
         digest = problem.digest_later()
@@ -288,21 +287,21 @@ def check_certificate(problem: Problem, data: Mapping[str, Any], evaluation: Eva
                 f"the certificate is for another instance: its {key} differs", "foreign", expected=own, found=printable(data.get(key), 80)
             )
     evidence = stated_evidence(data)
-    made = certify(problem, evaluation, evidence)
-    if data.get("infeasible") and not made.infeasible:
+    recomputed = certify(problem, evaluation, evidence)
+    if data.get("infeasible") and not recomputed.infeasible:
         raise CheckFailedError("the certificate states that there is no answer, its evidence does not prove it")
-    if data.get("unbounded") and not made.unbounded:
+    if data.get("unbounded") and not recomputed.unbounded:
         raise CheckFailedError("the certificate states that there is no best answer, its evidence does not prove it")
-    compare_answer(data, evaluation, infeasible=made.infeasible)
-    if data.get("bound") is not None and not made.infeasible:
-        _compare_bound(problem, real(data["bound"], "bound"), made.bound, "the certificate")
+    compare_answer(data, evaluation, infeasible=recomputed.infeasible)
+    if data.get("bound") is not None and not recomputed.infeasible:
+        _compare_bound(problem, real(data["bound"], "bound"), recomputed.bound, "the certificate")
     for piece in evidence:
-        _compare_evidence(problem, piece, made)
+        _compare_evidence(problem, piece, recomputed)
     levels = check_levels(problem, data.get("levels"), evaluation, data.get("objective") is not None)
     if levels:
-        made = replace(made, levels=levels) if evaluation is None else with_levels(made, evaluation, levels)
-    _compare_figures(data, made)
-    return replace(made, from_file=True, stated_guarantee=stated_guarantee(data))
+        recomputed = replace(recomputed, levels=levels) if evaluation is None else with_levels(recomputed, evaluation, levels)
+    _compare_figures(data, recomputed)
+    return replace(recomputed, from_file=True, stated_guarantee=stated_guarantee(data))
 
 
 def _compare_bound(problem: Problem, stated: float, proved: float | None, who: str) -> None:
@@ -311,7 +310,7 @@ def _compare_bound(problem: Problem, stated: float, proved: float | None, who: s
 
 
 def _compare_evidence(problem: Problem, piece: Evidence, made: Certificate) -> None:
-    """Raise CheckFailedError if the value that stands beside evidence is more than it proves."""
+    """Raise CheckFailedError if a file states a better value beside evidence than the evidence proves."""
     if made.infeasible:
         return
     proved = made.bound if piece in made.evidence else verified_bound(problem, piece)

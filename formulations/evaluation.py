@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..instances.errors import InputError, WayboundError, in_words
+from ..instances.printable import printable
+from ..instances.text import an
 from .tolerance import EQUAL, same
 
 
@@ -79,7 +83,7 @@ class Evaluation:
     Parameters
     ----------
     values : tuple of float
-        One value a level of the objective, recomputed from the data.
+        One value per level of the objective, recomputed from the data.
     checks : tuple of Check
         One a kind of condition.
     violations : tuple of Violation
@@ -138,7 +142,7 @@ class Checklist:
             self.violations.append(Violation(check, message, amount, vehicle, site))
 
     def checks(self, names: Sequence[str]) -> tuple[Check, ...]:
-        """All checks in the given order, those that had nothing to test included."""
+        """All checks in the given order, including those that had nothing to test."""
         broken = {v.check for v in self.violations}
         return tuple(Check(n, n not in broken, self._residual.get(n, 0.0), self._tested.get(n, 0)) for n in names)
 
@@ -152,3 +156,15 @@ def judge(
     wrong = np.nonzero(residual > allowed)[0].tolist()
     worst = float(residual.max(initial=0.0))
     return Check(check, not wrong, worst, len(residual)), [Violation(check, message(k), float(residual[k])) for k in wrong]
+
+
+@contextmanager
+def input_errors(problem: str) -> Iterator[None]:
+    """Turn any other exception in the block into an InputError: what a user gives as an answer may be anything."""
+    try:
+        yield
+    except (WayboundError, MemoryError):
+        raise
+    except Exception as fault:
+        why = printable(in_words(fault), 120)
+        raise InputError(f"it fails as an answer to {an(problem)} problem", found=why) from fault

@@ -101,7 +101,7 @@ class Reason:
 
     @property
     def name(self) -> str:
-        """Kind and name, or the one word that is both."""
+        """Kind and name, or one word where they are the same."""
         return self.kind if self.where == self.kind else f"{self.kind} {self.where}"
 
     def to_json(self) -> dict[str, Any]:

@@ -107,7 +107,7 @@ def compile_form(problem: Asked, form: str | None = None, *, relax: bool = False
     size = chosen.size(problem)
     if size is not None:
         size.refuse_beyond_memory(chosen.name)
-    made = chosen.build(problem)
-    exactness = chosen.exactness.then(made.exactness)
-    made = replace(made, exactness=exactness, links=(replace(made.links[0], exactness=exactness), *made.links[1:]))
-    return made.relaxed() if relax else made
+    compiled = chosen.build(problem)
+    exactness = chosen.exactness.then(compiled.exactness)
+    compiled = replace(compiled, exactness=exactness, links=(replace(compiled.links[0], exactness=exactness), *compiled.links[1:]))
+    return compiled.relaxed() if relax else compiled

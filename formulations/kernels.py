@@ -110,15 +110,15 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
 
     @property
     def made(self) -> bool:
-        """Whether it is compiled or loaded in this process, for all types that it declares."""
+        """Whether the kernel is compiled or loaded in this process, for all types that it declares."""
         return not self._can_compile
 
     def kept(self) -> bool:
-        """Whether making it takes no compiler: it is made, or cached."""
+        """Whether it can be used without compiling: it is loaded, or in the cache."""
         return self.made or self.cached()
 
     def cached(self) -> bool:
-        """Whether all of it is in the cache on disk."""
+        """Whether all its types are in the cache on disk."""
         return all(self._keeps(signature) for signature in self._signatures())
 
     def get_call_template(self, args: Any, kws: Any) -> Any:
@@ -133,12 +133,12 @@ class Kernel(CPUDispatcher):  # type: ignore[misc]
         if len(self.declared) == 1:
             self.make()
             return self  # called again, now that it converts what it is given
-        given = [self.typeof_pyval(value) for value in args]
+        kinds = [self.typeof_pyval(value) for value in args]
         for signature in self._signatures():
             wanted = sigutils.normalize_signature(signature)[0]
-            if all(self.typingctx.can_convert(one, other) is not None for one, other in zip(given, wanted, strict=True)):
+            if all(self.typingctx.can_convert(one, other) is not None for one, other in zip(kinds, wanted, strict=True)):
                 return self.compile(signature)
-        raise TypeError(f"{self.title} is declared for {' or '.join(self.declared)}, not for ({', '.join(map(str, given))})")
+        raise TypeError(f"{self.title} is declared for {' or '.join(self.declared)}, not for ({', '.join(map(str, kinds))})")
 
     def _signatures(self) -> list[Any]:
         if self._parsed is None:
@@ -217,7 +217,7 @@ def kernel_modules(above: str = __name__.partition(".")[0]) -> Iterator[str]:
 
 @contextlib.contextmanager
 def _uncollected() -> Iterator[None]:
-    """Without the collector of garbage: nearly all that a compiler makes is used, and looking through it takes a tenth of its time."""
+    """Switch garbage collection off while a kernel is compiled: it would take a tenth of the time, and find next to nothing to collect."""
     collecting = gc.isenabled()
     gc.disable()
     try:
@@ -239,7 +239,7 @@ class _Uncoloured:
 
 @contextlib.contextmanager
 def _uncoloured() -> Iterator[None]:
-    """Without colours in numba's errors: it makes and drops tens of thousands on its way, and asks the terminal for each."""
+    """Switch off colours in numba's errors: it raises and drops tens of thousands while it compiles, and asks the terminal for each."""
     before = errors.termcolor()
     errors._termcolor_inst = _Uncoloured()  # type: ignore[attr-defined]
     try:
@@ -250,7 +250,7 @@ def _uncoloured() -> Iterator[None]:
 
 @contextlib.contextmanager
 def _remembering() -> Iterator[None]:
-    """With what an operator returns for given types remembered: numba asks all that it knows of that operator each time it meets one."""
+    """Cache the type that an operator returns for given types: numba searches all definitions of the operator at each use."""
     before = types.Function.get_call_type
     if before.__module__ == __name__:
         yield

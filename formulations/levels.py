@@ -1,4 +1,4 @@
-"""Verified bounds of the levels of priority after the first: what no answer beats that is no worse at the levels before."""
+"""Verified bounds of the levels of priority after the first: each holds for all answers that are no worse at the levels before."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from .evidence import Evidence
 from .problem import Problem
 from .rendering import number
 from .stated import real, stated_evidence
-from .verified_bounds import beats_bound, better_bound, verified_bound
+from .verified_bounds import beats_bound, better_bound, one_check_is_wrong, verified_bound
 
 if TYPE_CHECKING:
     from .certificate import Certificate
@@ -61,7 +61,7 @@ def best_level_bound(
     """
     level = len(before)
     part, sense = problem.given(before), problem.senses[level]
-    found: LevelBound | None = None
+    best: LevelBound | None = None
     if part is None:
         return None
     for piece in evidence:
@@ -71,39 +71,35 @@ def best_level_bound(
             if unproved is not None:
                 unproved.append(f"{piece.source} is no bound of level {level + 1}: {in_words(fault)}")
             continue
-        if math.isfinite(bound) and (found is None or better_bound(sense, bound, found.bound)):
-            found = LevelBound(before, bound, replace(piece, value=bound))
+        if math.isfinite(bound) and (best is None or better_bound(sense, bound, best.bound)):
+            best = LevelBound(before, bound, replace(piece, value=bound))
         elif bound == (math.inf if sense == "min" else -math.inf):
             if evaluation is None:
                 if unproved is not None:
                     unproved.append(f"no solution is worth {number(before)} before level {level + 1}: {piece.source}")
                 return None
-            raise CheckFailedError(
-                f"an answer passed every check, but {piece.source} proves that none is as good before level {level + 1}: "
-                "one of the two checks is wrong; please report this"
-            )
-    if found is not None and evaluation is not None and evaluation.feasible:
+            known = f"an answer passed every check, but {piece.source} proves that none is as good"
+            raise one_check_is_wrong(f"{known} before level {level + 1}")
+    if best is not None and evaluation is not None and evaluation.feasible:
         size = evaluation.sizes[level] if evaluation.sizes else 0.0
-        if beats_bound(sense, evaluation.values[level], found.bound, size):
-            raise CheckFailedError(
-                f"the answer's value {evaluation.values[level]!r} at level {level + 1} is better than the bound {found.bound!r} "
-                f"derived from {found.source}: one of the two checks is wrong; please report this"
-            )
-    return found
+        if beats_bound(sense, evaluation.values[level], best.bound, size):
+            value = f"the answer's value {evaluation.values[level]!r} at level {level + 1}"
+            raise one_check_is_wrong(f"{value} is better than the bound {best.bound!r} derived from {best.source}")
+    return best
 
 
 def with_levels(certificate: Certificate, evaluation: Evaluation, levels: Sequence[LevelBound]) -> Certificate:
     """The certificate with the bounds of further levels, and the gap of the first level that is open."""
-    made = replace(certificate, levels=tuple(levels))
+    extended = replace(certificate, levels=tuple(levels))
     for level, bound in enumerate([certificate.bound, *(one.bound for one in levels)]):
         if bound is None:
-            return made
+            return extended
         size = evaluation.sizes[level] if evaluation.sizes else 0.0
         value = evaluation.values[level]
-        made = replace(made, gap=tolerance.gap(value, bound, size, evaluation.precision))
+        extended = replace(extended, gap=tolerance.gap(value, bound, size, evaluation.precision))
         if not evaluation.same_at(level, bound):
-            return made
-    return made if len(levels) + 1 == len(evaluation.values) else replace(made, gap=None)
+            return extended
+    return extended if len(levels) + 1 == len(evaluation.values) else replace(extended, gap=None)
 
 
 def check_levels(problem: Problem, data: Any, evaluation: Evaluation | None, of_answer: bool = True) -> tuple[LevelBound, ...]:
@@ -118,25 +114,25 @@ def check_levels(problem: Problem, data: Any, evaluation: Evaluation | None, of_
         return ()
     if not isinstance(data, list) or len(data) > min(MOST_LEVELS, len(problem.senses) - 1):
         raise InputError("the certificate's levels are malformed", expected=f"a list of at most {len(problem.senses) - 1} objects")
-    made = []
+    bounds = []
     for level, entry in enumerate(data, start=1):
         if not isinstance(entry, Mapping) or not {"given", "bound", "evidence"} <= entry.keys() or not isinstance(entry["given"], list):
             raise InputError("the certificate's levels are malformed", expected="objects with given, bound and evidence")
-        given = tuple(real(value, "level") for value in entry["given"])
-        if len(given) != level:
+        values = tuple(real(value, "level") for value in entry["given"])
+        if len(values) != level:
             expected = f"{level} values before level {level + 1}"
-            raise InputError("the certificate's levels are malformed", "wrong-shape", expected=expected, found=str(len(given)))
-        concerned = evaluation is None or all(evaluation.same_at(k, value) for k, value in enumerate(given))
+            raise InputError("the certificate's levels are malformed", "wrong-shape", expected=expected, found=str(len(values)))
+        concerned = evaluation is None or all(evaluation.same_at(k, value) for k, value in enumerate(values))
         if evaluation is not None and of_answer and not concerned:
             raise CheckFailedError(
-                f"the certificate's bound of level {level + 1} is given {list(given)}, the answer is worth {evaluation.objective}"
+                f"the certificate's bound of level {level + 1} is given {list(values)}, the answer is worth {evaluation.objective}"
             )
         (piece,) = stated_evidence({"evidence": [entry["evidence"]]})
-        part = problem.given(given)
+        part = problem.given(values)
         proved = None if part is None else verified_bound(part, piece)
         stated, sense = real(entry["bound"], "bound of a level"), problem.senses[level]
         if proved is None or not math.isfinite(proved) or (better_bound(sense, stated, proved) and not tolerance.same(stated, proved)):
             raise CheckFailedError(f"the certificate states the bound {stated!r} at level {level + 1}, its evidence proves {proved!r}")
         if concerned:
-            made.append(LevelBound(given, proved, replace(piece, value=proved)))
-    return tuple(made)
+            bounds.append(LevelBound(values, proved, replace(piece, value=proved)))
+    return tuple(bounds)

@@ -74,7 +74,7 @@ class Problem(ABC):
         """Hash of all data that an answer's value and feasibility depend on."""
 
     def digest_later(self) -> Callable[[], str] | str:
-        """The digest, or, where the data are large and nobody can change them meanwhile, who makes it when it is asked for."""
+        """The digest, or a function that computes it when it is asked for, where the data are large and cannot change meanwhile."""
         return self.digest()
 
     @abstractmethod
@@ -104,20 +104,20 @@ class Problem(ABC):
         return tuple(self.notes)
 
     def _repr_html_(self) -> str:
-        told = plotting.tell(self)
-        return as_html(told.title, [Line(*row) for row in told.rows])
+        description = plotting.tell(self)
+        return as_html(description.title, [Line(*row) for row in description.rows])
 
     def __rich__(self) -> Any:
-        told = plotting.tell(self)
-        return as_rich(told.title, [Line(*row) for row in told.rows])
+        description = plotting.tell(self)
+        return as_rich(description.title, [Line(*row) for row in description.rows])
 
     @property
     def size(self) -> int:
-        """How many things an answer decides on: sites, robots, elements, variables; 0 where nothing tells."""
+        """How many things an answer decides on: sites, robots, elements, variables; 0 if it is not known."""
         return 0
 
     def linear_entries(self) -> int:
-        """About the fewest coefficients that a linear form of it has, for who budgets; 0 where nothing tells."""
+        """About the least number of coefficients of a linear form of the problem, for callers with a budget; 0 if it is not known."""
         return 0
 
     def infeasibility_reasons(self, stopped: Callable[[], bool] = lambda: False) -> Iterator[Reason]:
@@ -139,11 +139,11 @@ class Problem(ABC):
         return ()
 
     def check_statement(self, statement: Any) -> None:
-        """Raise InputError unless ``statement``, plain JSON, says something of an answer that holds or does not."""
+        """Raise InputError unless ``statement``, plain JSON, is one that is true or false of each answer."""
         raise InputError(f"nothing can be stated of answers to {self.problem} problems", "unsupported", found=shown(str(statement)))
 
     def restricted(self, decisions: Sequence[Decision]) -> Problem:
-        """The same problem for fewer answers: for all those at least of which each statement holds, or does not, as decided.
+        """The same problem, restricted to the answers for which each statement holds, or does not hold, as decided.
 
         What it allows besides weakens bounds, and breaks none. It shares the data of this one, and is made in little time.
 
@@ -157,7 +157,7 @@ class Problem(ABC):
         return self
 
     def given(self, values: Sequence[float]) -> Problem | None:
-        """The problem of the levels of priority after the first ``len(values)``; None in families that know none.
+        """The problem of the levels of priority after the first ``len(values)``; None in families without such problems.
 
         Its answers include all answers of this one that are no worse than ``values`` at the levels before, so that what bounds its first
         level bounds those.
@@ -165,7 +165,7 @@ class Problem(ABC):
         return None
 
     def in_words(self, statement: Any, holds: bool) -> str:
-        """A statement, or its opposite, for people."""
+        """A statement, or its opposite, as a sentence."""
         return f"{statement} {'holds' if holds else 'does not hold'}"
 
     def why_none(self, kind: str, data: Mapping[str, Any]) -> str:
@@ -181,15 +181,15 @@ class Problem(ABC):
         """Inverse of ``answer_to_json``; raises InputError for anything else."""
 
     def answer_of(self, given: Any) -> Any:
-        """The answer that ``given`` stands for: one already, or what says clearly which one; raises UsageError for anything else."""
+        """The answer that ``given`` is or clearly describes; raises UsageError for anything else."""
         return given
 
     def check_start(self, answer: Any) -> None:
-        """Raise UsageError if ``answer`` speaks of what this problem does not have, so that it is one of another instance."""
+        """Raise UsageError if ``answer`` names things that this problem does not have, so that it belongs to another instance."""
         return
 
     def searched_from(self, answer: Any) -> Any:
-        """``answer`` as a search begins from it: without what is stated of it beyond what is decided."""
+        """``answer`` as a search starts from it: its decisions alone, without a stated timetable and the like."""
         return answer
 
     @abstractmethod
@@ -201,7 +201,7 @@ class Problem(ABC):
         return {"answer": self.answer_to_frame(answer)}
 
     def answer_lines(self, answer: Any) -> list[Line]:
-        """An answer in a few lines, for printing; none where it is told by a table alone."""
+        """An answer in a few lines, for printing; none where a table shows it all."""
         return []
 
     def answer_routes(self, answer: Any) -> list[Any]:

@@ -16,7 +16,7 @@ COLUMNS = ("seconds", "phase", "objective", "bound", "bound_kind", "gap", "found
 
 @dataclass(frozen=True)
 class Event:
-    """The best that was known when something better was found.
+    """The best answer and bound known at a moment when one of them improved.
 
     Parameters
     ----------
@@ -25,9 +25,9 @@ class Event:
     phase : str
         ``solve``, ``bound``, or ``check`` for what was left in the end.
     objective : tuple of float, or None
-        A value a level of the objective; as the search counts it until ``phase`` is ``check``.
+        A value per level of the objective; as the search counts it until ``phase`` is ``check``.
     bound : tuple of (float or None), or None
-        A value a level.
+        A value per level.
     bound_kind : str or None
         ``claimed`` (the search's own figure), ``evidence`` (found together with what proves it, not yet checked), or ``verified``.
     found_by : str
@@ -50,7 +50,7 @@ class Event:
 
 
 def history_frame(events: Sequence[Event], levels: int = 1) -> pd.DataFrame:
-    """One row an event: ``COLUMNS``, and ``objective_2, bound_2, ...`` for further levels of priority; NaN where nothing was known."""
+    """One row per event: ``COLUMNS``, and ``objective_2, bound_2, ...`` for further levels of priority; NaN where nothing was known."""
     import pandas as pd
 
     def of(values: Sequence[float | None] | None, level: int) -> float | None:

@@ -43,19 +43,19 @@ def relative_gap(objective: Value | None, bound: Value | None, sizes: Sequence[f
         return None
     values = list(objective) if isinstance(objective, list) else [objective]
     bounds = list(bound) if isinstance(bound, list) else [bound]
-    found: float | None = None
+    widest: float | None = None
     for value, limit, size in zip(values, bounds, sizes or [0.0] * len(values), strict=True):
         if value is None or limit is None:
             return None
-        found = gap(value, limit, size, precision)
+        widest = gap(value, limit, size, precision)
         if not same(value, limit, size):
-            return found
-    return found
+            return widest
+    return widest
 
 
 @dataclass(frozen=True)
 class Opinion:
-    """Another solver's view of a claim that stands without evidence.
+    """Another solver's result on a claim that has no evidence.
 
     ``status``: its own word. ``objective`` and ``bound``: its own claims, in the units of the program. ``verdict``: ``agrees``,
     ``undecided``, ``refutes`` (by an answer that passed every check), ``is refuted`` (by such an answer, or a verified bound), or
@@ -161,7 +161,7 @@ class Solution:
         Parameters
         ----------
         of : str, optional
-            Of routing: ``visits``, one row a stop, the default; ``routes``, one row each; ``left-out``, as ``left_out()``.
+            Of routing: ``visits``, one row per stop, the default; ``routes``, one row each; ``left-out``, as ``left_out()``.
         """
         self._need_answer()
         if of is None:
@@ -225,8 +225,8 @@ class Solution:
         import pandas as pd
 
         self._need_answer()
-        left = [(one.where, one.reason, one.proved) for one in self.problem.left_out(self.answer)]
-        return pd.DataFrame(left, columns=["where", "reason", "proved"])
+        rows = [(one.where, one.reason, one.proved) for one in self.problem.left_out(self.answer)]
+        return pd.DataFrame(rows, columns=["where", "reason", "proved"])
 
     def plot(self, *, ax: Any = None, title: str | None = None, **options: Any) -> Any:
         """Draw the answer.
@@ -348,9 +348,9 @@ class Solution:
         return as_rich(solution_title(self), self._lines())
 
     def _lines(self) -> list[Line]:
-        """The answer, then what is known of it."""
-        told = [] if self.answer is None else self.problem.answer_lines(self.answer)
-        return [*told, *solution_lines(self)]
+        """The lines of the answer, then those of its evidence."""
+        answer = [] if self.answer is None else self.problem.answer_lines(self.answer)
+        return [*answer, *solution_lines(self)]
 
 
 # -- for people ------------------------------------------------------------------------------------------------------------
@@ -364,7 +364,7 @@ def solution_title(solution: Solution) -> str:
 
 
 def status_line(solution: Solution) -> Line:
-    """How a run ended, and on whose word."""
+    """How a run ended, and what that rests on: a verified bound, or a solver's claim."""
     s = solution
     stopped = "" if s.limit == "none" else f"; stopped by {_LIMIT_WORDS.get(s.limit, s.limit)}"
     if s.status == "optimal":
@@ -398,7 +398,7 @@ def _seconded(solution: Solution) -> str:
 
 
 def solution_lines(solution: Solution) -> list[Line]:
-    """How a run ended, what its certificate says, a claimed bound told apart from a verified one, and remarks on the problem."""
+    """How a run ended, what its certificate says, claimed and verified bound, and remarks on the problem."""
     s, c = solution, solution.certificate
     lines = [status_line(s), *(Line("fault", fault, "bad") for fault in s.faults), *answer_lines(c)]
     if s.bound_kind == "claimed":

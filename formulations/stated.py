@@ -44,7 +44,7 @@ def stated_evidence(data: Mapping[str, Any]) -> list[Evidence]:
         raise InputError(
             "the certificate holds too much evidence", "too-large", expected=f"at most {MOST_EVIDENCE} entries", found=str(len(entries))
         )
-    found = []
+    pieces = []
     for entry in entries:
         if not isinstance(entry, Mapping) or not {"kind", "source", "value", "data"} <= entry.keys():
             raise InputError("the certificate's evidence is malformed", expected="objects with kind, source, value and data")
@@ -52,8 +52,8 @@ def stated_evidence(data: Mapping[str, Any]) -> list[Evidence]:
         if not isinstance(kind, str) or not isinstance(source, str) or not isinstance(plain, Mapping):
             raise InputError("the certificate's evidence is malformed", expected="texts as kind and source, an object as data")
         known = float(value) if value in ("inf", "-inf") else real(value, "value of evidence")
-        found.append(Evidence(kind, source, known, dict(plain)))
-    return found
+        pieces.append(Evidence(kind, source, known, dict(plain)))
+    return pieces
 
 
 def compare_answer(data: Mapping[str, Any], evaluation: Evaluation | None, *, infeasible: bool) -> None:
@@ -83,9 +83,9 @@ def compare_answer(data: Mapping[str, Any], evaluation: Evaluation | None, *, in
         return
     own_checks, own_violations = [c.to_json() for c in evaluation.checks], [v.to_json() for v in evaluation.violations]
     for name, entries, own in (("checks", checks, own_checks), ("violations", violations, own_violations)):
-        found = iter(own)
+        ours = iter(own)
         for entry in entries or ():
-            if not any(_same(entry, one, evaluation.size) for one in found):
+            if not any(_same(entry, one, evaluation.size) for one in ours):
                 raise CheckFailedError(f"the certificate states {name} that are not this answer's: {printable(dict(entry), 160)}")
         if name == "violations" and feasible is False and entries == []:
             raise CheckFailedError("the certificate states an infeasible answer without violations")
@@ -110,25 +110,25 @@ def _entries(data: Mapping[str, Any], key: str) -> list[Mapping[str, Any]] | Non
 
 
 def _same(stated: Mapping[str, Any], own: Mapping[str, Any], size: float) -> bool:
-    """Whether the entries agree in every key but the message, whose last digits may differ from machine to machine."""
+    """Whether two entries agree in every key but the message, whose last digits may differ from machine to machine."""
     if stated.keys() != own.keys():
         return False
     for key, value in own.items():
-        given = stated[key]
-        if isinstance(value, float) and not isinstance(given, bool) and isinstance(given, int | float):
-            if not same(_figure(given, key), value, size if math.isfinite(size) else 0.0):
+        stated_value = stated[key]
+        if isinstance(value, float) and not isinstance(stated_value, bool) and isinstance(stated_value, int | float):
+            if not same(_figure(stated_value, key), value, size if math.isfinite(size) else 0.0):
                 return False
-        elif key != "message" and (type(given) is not type(value) or given != value):
+        elif key != "message" and (type(stated_value) is not type(value) or stated_value != value):
             return False
     return True
 
 
 def stated_guarantee(data: Mapping[str, Any]) -> Guarantee | None:
-    """The guarantee in a certificate file: the word of whoever wrote it, since a certificate does not say how its answer was made."""
-    given = data.get("guarantee")
-    if given is None:
+    """The guarantee in a certificate file. It cannot be verified, since a certificate does not say how its answer was computed."""
+    guarantee = data.get("guarantee")
+    if guarantee is None:
         return None
-    parts = given if isinstance(given, Mapping) else {}
+    parts = guarantee if isinstance(guarantee, Mapping) else {}
     statement, source, assumptions = parts.get("statement"), parts.get("source"), parts.get("assumptions", [])
     if not isinstance(assumptions, list) or not all(isinstance(text, str) for text in (statement, source, *assumptions)):
         raise InputError("the certificate's guarantee is malformed", expected="an object with ratio, statement, assumptions and source")

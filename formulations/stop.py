@@ -33,7 +33,7 @@ def now() -> float:
 
 @contextmanager
 def off_the_clock(what: str = "") -> Iterator[None]:
-    """Within the block no deadline of this process comes nearer: for what is done once a machine, or once a process.
+    """Stop the clock of all deadlines of this process within the block: for work that is done once per machine or process.
 
     ``what``: the compiled loop that is made, told to all who listen; "" for what is done each time a process starts.
     """
@@ -54,7 +54,7 @@ def off_the_clock(what: str = "") -> Iterator[None]:
 
 @contextmanager
 def hearing(listener: Callable[[str, float], None]) -> Iterator[None]:
-    """Within the block ``listener(what, seconds)`` hears of what is done off the clock: when it begins (NaN seconds) and when it ends."""
+    """Call ``listener(what, seconds)`` when work off the clock begins (NaN seconds) and when it ends, within the block."""
     _LISTENERS.append(listener)
     try:
         yield
@@ -63,13 +63,13 @@ def hearing(listener: Callable[[str, float], None]) -> Iterator[None]:
 
 
 def tell(what: str, seconds: float) -> None:
-    """Tell all who listen, of what another process does too."""
+    """Call all listeners, also for work that another process does."""
     for listener in tuple(_LISTENERS):
         listener(what, seconds)
 
 
 class Stopped(Exception):
-    """Raised by ``Stop.check`` to leave a computation whose parts are worth nothing."""
+    """Raised by ``Stop.check`` to abandon a computation that is of no use unless it is finished."""
 
 
 class Stop:
@@ -91,22 +91,22 @@ class Stop:
         self._flag: Flag | None = None
 
     def ask(self) -> None:
-        """Ask this to end, and all that were made of it or that it was made of."""
+        """Ask for the end, of this stop and of all that were derived from it or that it was derived from."""
         self._wish.ask()
 
     def within(self, seconds: float) -> Stop:
-        """Ends when this does, after ``seconds`` at the latest."""
+        """A stop that ends when this one does, after ``seconds`` at the latest."""
         return self.after(min(seconds, self.seconds_left))
 
     def after(self, seconds: float) -> Stop:
-        """Ends after ``seconds``, whatever the deadline of this one, or when it is asked to: for what is done when the time is up."""
-        made = Stop(seconds)
-        made._wish = self._wish
-        return made
+        """A stop that ends after ``seconds``, whatever the deadline of this one, or on request: for work when the time is up."""
+        stop = Stop(seconds)
+        stop._wish = self._wish
+        return stop
 
     @contextmanager
     def telling(self, end: Callable[[], None]) -> Iterator[None]:
-        """Within the block a wish to end is passed on by calling ``end``, from whichever thread asks, at once if somebody did."""
+        """Call ``end`` when the end is asked for within the block, in the thread that asks; at once if it was asked for before."""
         self._wish.add(end)
         try:
             yield
@@ -132,10 +132,10 @@ class Stop:
         if self._flag is None:
             self._flag = np.zeros(1, np.int64)
             self._wish.tell(self._flag)
-            left = self.seconds_left
-            if left <= 0.0:
+            seconds_left = self.seconds_left
+            if seconds_left <= 0.0:
                 self._flag[0] = 1
-            elif left < threading.TIMEOUT_MAX:
+            elif seconds_left < threading.TIMEOUT_MAX:
                 _CLOCK.set_at(self._end, self._flag)
         return self._flag
 
@@ -145,7 +145,7 @@ _LOOK = 0.02
 
 
 class _Clock:
-    """Sets flags at their instants: one thread for all of them, for a thread each would take longer than many a kernel."""
+    """Sets flags at their deadlines, in one thread for all: starting a thread for each would take longer than many a kernel."""
 
     def __init__(self) -> None:
         self._earlier = threading.Condition()
@@ -172,15 +172,15 @@ class _Clock:
     def _run(self) -> None:
         with self._earlier:
             while True:
-                left = self._due[0][0] - now() if self._due else threading.TIMEOUT_MAX
-                if left > 0.0:
-                    self._earlier.wait(left + _LOOK if _stood[2] else left)
+                seconds_left = self._due[0][0] - now() if self._due else threading.TIMEOUT_MAX
+                if seconds_left > 0.0:
+                    self._earlier.wait(seconds_left + _LOOK if _stood[2] else seconds_left)
                 else:
                     _set(heapq.heappop(self._due)[2])
 
 
 class _Wish:
-    """Whether somebody asked, and the flags that are to be set then."""
+    """Whether the end was asked for, and the flags to set then."""
 
     def __init__(self) -> None:
         self.asked = False
@@ -236,19 +236,19 @@ if hasattr(os, "register_at_fork"):  # a forked process has no thread but the on
     os.register_at_fork(after_in_child=_wind_up)
 
 NEVER = Stop()
-"""For whoever has nobody to ask; nobody asks it."""
+"""The default: a stop that is never reached."""
 
 _CURRENT: ContextVar[Stop] = ContextVar("stop", default=NEVER)
 
 
 def current_stop() -> Stop:
-    """That of the innermost block ``until``; ``NEVER`` outside of all."""
+    """The stop of the innermost ``until`` block; ``NEVER`` outside any."""
     return _CURRENT.get()
 
 
 @contextmanager
 def until(stop: Stop) -> Iterator[None]:
-    """Within the block checkers that may take long give up when ``stop`` is reached, and then prove nothing."""
+    """Let slow checkers within the block give up when ``stop`` is reached; they then prove nothing."""
     token = _CURRENT.set(stop)
     try:
         yield

@@ -1,4 +1,4 @@
-"""How compiled loops look at the flag of a ``Stop``. Imports numba: import it inside functions only."""
+"""Reads the flag of a ``Stop`` in compiled loops. Imports numba: import it inside functions only."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from numba.extending import intrinsic
 
 @intrinsic  # type: ignore[untyped-decorator]
 def asked(typing: Any, flag: Any) -> Any:
-    """Whether the flag is set. An atomic load: a plain one would be taken out of the loop that asks."""
+    """Whether the flag is set. An atomic load: the compiler would move a plain one out of the loop."""
 
     def code(context: Any, builder: Any, signature: Any, arguments: Any) -> Any:
         array = context.make_array(signature.args[0])(context, builder, arguments[0])

@@ -52,7 +52,7 @@ def allowance(limit: ArrayLike, total: ArrayLike, size: ArrayLike = 0.0) -> NDAr
 
 
 def widening(limit: ArrayLike, size: ArrayLike = 0.0) -> NDArray[np.float64]:
-    """At least what ``allowance`` lets any total exceed ``limit`` by: what a bound has to concede."""
+    """Upper bound on the amount by which ``allowance`` lets a total exceed ``limit``: a bound has to concede that much."""
     most = np.maximum(np.abs(np.asarray(limit, dtype=np.float64)), size)
     return np.where(np.isfinite(most), LIMIT * most, 0.0)
 

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
-from .rendering import Line, number, percent
+from ..instances.printable import one_line
+from .rendering import Line, as_text, number, percent
+from .solution import Solution, solution_title, status_line
 from .tolerance import EQUAL, gap, same
 
-if TYPE_CHECKING:
-    from .solution import Solution
-
 _BEST = {"min": ("least", "below"), "max": ("largest", "above")}
+
+
+def verdict_in_words(solution: Solution) -> list[str]:
+    """How a run ended, what is proved and what is not, remarks, and the seconds spent: what stands at the end of its log."""
+    lines = as_text(solution_title(solution), [status_line(solution), *verdict_lines(solution)]).split("\n")
+    remarks = [f"remarks: {one_line(solution.message)}"] if solution.message else []
+    return [*lines, *remarks, "seconds: " + ", ".join(f"{name} {seconds:.2f}" for name, seconds in solution.seconds.items())]
 
 
 def verdict_lines(solution: Solution) -> list[Line]:

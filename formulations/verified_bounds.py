@@ -1,4 +1,4 @@
-"""Bounds that a checker derives from evidence, and which of two says more."""
+"""Bounds that checkers derive from evidence, and their comparison."""
 
 from __future__ import annotations
 
@@ -6,20 +6,25 @@ import math
 from dataclasses import replace
 from typing import Any
 
-from ..instances.errors import InputError
+from ..instances.errors import CheckFailedError, InputError
 from . import tolerance
 from .evidence import CHECKERS, ENDLESS, Evidence
 from .problem import Problem
 
 
 def better_bound(sense: str, a: float, b: float) -> bool:
-    """Whether bound ``a`` says more than ``b``."""
+    """Whether bound ``a`` is tighter than ``b``."""
     return a > b if sense == "min" else a < b
 
 
 def beats_bound(sense: str, objective: float, bound: float, size: float = 0.0) -> bool:
-    """Whether an objective is better than a bound says is possible, beyond rounding."""
+    """Whether an objective is better than a bound allows, beyond rounding."""
     return better_bound(sense, bound, objective) and not tolerance.same(objective, bound, size)
+
+
+def one_check_is_wrong(contradiction: str) -> CheckFailedError:
+    """The error for two checks that cannot both be right."""
+    return CheckFailedError(f"{contradiction}: one of the two checks is wrong; please report this")
 
 
 def verified_bound(problem: Problem, evidence: Evidence) -> float:
@@ -36,7 +41,7 @@ def verified_bound(problem: Problem, evidence: Evidence) -> float:
 
 
 def proved(problem: Problem, kind: str, source: str, data: dict[str, Any]) -> Evidence:
-    """Evidence with the value that its checker derives."""
+    """The evidence, with the value that its checker derives from it."""
     evidence = Evidence(kind, source, 0.0, data)
     return replace(evidence, value=verified_bound(problem, evidence))
 

@@ -23,7 +23,7 @@ CUT_SHORT = "the time was up, or it was asked to stop"
 
 @dataclass(frozen=True)
 class Context:
-    """Time, randomness and the line to the caller of a heuristic that runs.
+    """Time, randomness and the line to the caller for a run of a heuristic.
 
     Parameters
     ----------
@@ -37,7 +37,7 @@ class Context:
     stop : Stop
         The wish to end; ``context.begin()`` adds the time.
     linear : LinearPrograms
-        Who solves the linear programs that it meets.
+        The solver for linear programs that it meets.
     """
 
     rng: np.random.Generator
@@ -148,10 +148,6 @@ class HeuristicWork:
 
     modules: ClassVar[tuple[str, ...]] = ("numba",)
 
-    @property
-    def method(self) -> Heuristic:
-        return HEURISTICS[self.name]
-
     def __call__(self, control: Control) -> RawResult:
         o, stop = self.options, Stop()
         control.on_stop(stop.ask)
@@ -159,8 +155,8 @@ class HeuristicWork:
             rng=np.random.default_rng(o.seed), time_limit=o.time_limit, start=o.start, publish=control.publish, stop=stop,
             linear=LinearPrograms(o.lp_solver, o.seed, o.threads),
         )  # fmt: skip
-        found = self.method.run(self.problem, context, **o.extra)
+        outcome = HEURISTICS[self.name].run(self.problem, context, **o.extra)
         return RawResult(
-            "unknown", found.limit, found.answer, statistics=found.statistics, message=found.message, evidence=found.evidence,
-            holds=Exactness.NEITHER, guarantee=found.guarantee,
+            "unknown", outcome.limit, outcome.answer, statistics=outcome.statistics, message=outcome.message, evidence=outcome.evidence,
+            holds=Exactness.NEITHER, guarantee=outcome.guarantee,
         )  # fmt: skip

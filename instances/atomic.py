@@ -53,7 +53,7 @@ def atomic_write(path: str | PathLike[str], text: str | bytes) -> None:
 
 
 def check_writable(path: str | PathLike[str]) -> None:
-    """Raise InputError, before hours of work, where ``atomic_file`` could not write: a small file beside ``path`` shows."""
+    """Raise InputError, before hours of work, if ``atomic_file`` could not write: it tries with a small file beside ``path``."""
     target = _target(path)
     if target is None:
         return

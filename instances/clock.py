@@ -129,7 +129,7 @@ def unit_named(name: object) -> str:
 
 
 def moment_of(cell: str, line: int | None, what: str) -> Any:
-    """The point in time that a text tells: a number, a time of day, or a timestamp; None where it is empty."""
+    """Read a point in time from a text: a number, a time of day, or a timestamp; None if it is empty."""
     if not cell:
         return None
     if is_number(cell):
@@ -148,7 +148,7 @@ def moment_of(cell: str, line: int | None, what: str) -> Any:
 
 
 def span_of(cell: str, line: int | None, what: str) -> Any:
-    """The length of time that a text tells: a number or a timedelta; None where it is empty."""
+    """Read a length of time from a text: a number or a timedelta; None if it is empty."""
     if not cell:
         return None
     if is_number(cell):
@@ -248,15 +248,15 @@ class Times:
         return self._all(values, what, self.span)
 
     def _all(self, values: Any, what: str, read: Any) -> Floats:
-        held = values.to_numpy() if hasattr(values, "to_numpy") else np.asarray(values)
-        if held.dtype.kind in "iuf":
-            return np.array(held, dtype=np.float64)
-        if held.dtype.kind in "mM":  # numpy would hand over whole numbers of nanoseconds
+        array = values.to_numpy() if hasattr(values, "to_numpy") else np.asarray(values)
+        if array.dtype.kind in "iuf":
+            return np.array(array, dtype=np.float64)
+        if array.dtype.kind in "mM":  # numpy would hand over whole numbers of nanoseconds
             import pandas as pd
 
-            flat = pd.Series(held.ravel())
-            return np.array([read(v, what) for v in flat], dtype=np.float64).reshape(held.shape)
-        return np.array([read(v, what) for v in held.ravel().tolist()], dtype=np.float64).reshape(held.shape)
+            flat = pd.Series(array.ravel())
+            return np.array([read(v, what) for v in flat], dtype=np.float64).reshape(array.shape)
+        return np.array([read(v, what) for v in array.ravel().tolist()], dtype=np.float64).reshape(array.shape)
 
     def _seconds(self, what: str, found: str) -> float:
         if self.unit is None:

@@ -20,7 +20,7 @@ from .parts import Axis, Count, Part
 from .text import label
 
 Names = tuple[str, ...] | None
-"""One name an entry; None stands for "1", "2", ..."""
+"""One name per entry; None stands for "1", "2", ..."""
 
 
 def extent(values: NDArray[np.float64]) -> list[float]:
@@ -112,7 +112,7 @@ class Declared:
         """Change fields before they are checked."""
 
     def check_rest(self) -> None:
-        """Check what the declaration does not say, and set what follows from the fields."""
+        """Check what no part declares, and set what follows from the fields."""
 
     def put(self, **values: Any) -> None:
         """Set attributes while the instance is made."""
@@ -194,7 +194,7 @@ class Declared:
         return {**({"count": self.counts[axis.name]} if axis.counted else {}), **named, **columns}
 
     def write_own(self) -> dict[str, Any]:
-        """Keys that the declaration does not say."""
+        """Keys, in JSON, of fields that are not declared."""
         return {}
 
     @classmethod
@@ -257,10 +257,10 @@ class Declared:
 
     @classmethod
     def read_own(cls, data: Mapping[str, Any], counts: Mapping[str, int]) -> dict[str, Any]:
-        """Values of fields that the declaration does not say, out of JSON."""
+        """Values, from JSON, of fields that are not declared."""
         return {}
 
     @classmethod
     def from_values(cls, **values: Any) -> Self:
-        """The instance of what a document holds."""
+        """The instance with the values that a document holds."""
         return cls(**values)

@@ -104,7 +104,7 @@ def string(data: Any, path: str) -> str:
 
 
 def strings(data: Any, path: str) -> tuple[str, ...]:
-    """A list of texts."""
+    """Check that ``data`` is a list of strings, and return them; see ``string``."""
     return tuple(string(item, f"{path}[{k}]") for k, item in enumerate(array(data, path)))
 
 

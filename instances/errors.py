@@ -79,7 +79,7 @@ class InputError(WayboundError):
         super().__init__(text, code)
 
     def at(self, file: str | PathLike[str] | None = None, line: int | None = None) -> InputError:
-        """The same error with a place, where it has none yet."""
+        """The same error with the given file, line and so on, as far as it names none itself."""
         return InputError(
             self.message,
             self.code,

@@ -25,7 +25,7 @@ MOST: dict[str, float] = {
 
 
 def check_number(name: str, value: Any, *, above: float | None = None, option: str | None = None) -> None:
-    """Raise UsageError unless ``value`` is a number from 0, or above ``above``, to ``MOST[name]``; ``option`` is the user's word for it."""
+    """Raise UsageError, which says ``option`` or ``name``, unless ``value`` is a number from 0, or above ``above``, to ``MOST[name]``."""
     said = option or name
     if isinstance(value, bool) or not issubclass(type(value), Real) or not (value >= 0 if above is None else value > above):
         raise UsageError(f"{said} must be {'not negative' if above is None else 'positive'}, not {value!r}", "out-of-range")
@@ -34,7 +34,7 @@ def check_number(name: str, value: Any, *, above: float | None = None, option: s
 
 
 def check_whole(name: str, value: Any, *, least: int = 0, option: str | None = None) -> None:
-    """Raise UsageError unless ``value`` is a whole number between ``least`` and ``MOST`` of its kind; see ``check_number``."""
+    """Raise UsageError unless ``value`` is a whole number between ``least`` and ``MOST[name]``; see ``check_number``."""
     if isinstance(value, bool) or not issubclass(type(value), Integral) or not least <= value <= MOST[name]:
         raise UsageError(f"{option or name} must be a whole number between {least} and {MOST[name]}, not {_short(value)}", "out-of-range")
 

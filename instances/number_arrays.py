@@ -71,7 +71,7 @@ BLOCK = 1 << 15
 
 
 class Spread(NamedTuple):
-    """The least and the largest of some numbers, 0 of none, and whether all are whole; beside infinity or NaN it is the largest."""
+    """Least and largest of some numbers, 0 without any, and whether all are whole; an infinity or NaN among them is ``largest``."""
 
     least: float
     largest: float
@@ -110,11 +110,11 @@ def _swept(values: Floats, copy: Floats) -> Spread:
 
 def unchanging(values: NDArray[Any]) -> bool:
     """Whether neither this array nor any that it is a view of can be written to."""
-    held: Any = values
-    while isinstance(held, np.ndarray) and not held.flags.writeable:
-        if held.base is None:
+    array: Any = values
+    while isinstance(array, np.ndarray) and not array.flags.writeable:
+        if array.base is None:
             return True
-        held = held.base
+        array = array.base
     return False
 
 
@@ -126,14 +126,14 @@ def frozen(values: NDArray[T]) -> NDArray[T]:
 
 
 def size(what: str, value: Any) -> int:
-    """One number of things, from 0."""
+    """Check a count, a whole number of at least 0."""
     if isinstance(value, bool) or not isinstance(value, int | np.integer) or not 0 <= value <= LARGEST_NUMBER:
         raise InputError(f"{what} must be a whole number from 0 to {LARGEST_NUMBER}", "out-of-range", found=repr(value)[:40])
     return int(value)
 
 
 def refuse_unused(what: str, count: int, used: int, users: str) -> None:
-    """Raise InputError if more than ``MOST_UNUSED`` of ``count`` things are without a user: nothing of that size is allocated."""
+    """Raise InputError if more than ``MOST_UNUSED`` of ``count`` entries are unused, before anything of that size is allocated."""
     if count - used > MOST_UNUSED:
         raise InputError(
             f"there are {count} {what}, but only {used} {users}", "too-large", expected=f"at most {MOST_UNUSED} more {what} than {users}"
@@ -199,7 +199,7 @@ def entries_of(indptr: NDArray[np.integer[Any]], rows: NDArray[np.integer[Any]])
 
 
 def names(what: str, values: Iterable[object] | None, count: int) -> tuple[str, ...] | None:
-    """One printable name each, all different; None stays None."""
+    """Check names: one per entry, printable and all different; None stays None."""
     if values is None:
         return None
     if isinstance(values, str | bytes) or not isinstance(values, Iterable):

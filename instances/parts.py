@@ -210,7 +210,7 @@ class Count(Whole):
 
 
 class Choice(Part):
-    """One of several words."""
+    """A field whose value is one of several words."""
 
     def __init__(self, *choices: str, **place: Any) -> None:
         super().__init__((), **place)

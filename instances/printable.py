@@ -1,4 +1,4 @@
-"""Text from files and users as it may be shown: nothing in it moves a cursor, colours, hides, reorders or forges what stands around it.
+"""Text from files and users, made safe to print: nothing in it moves a cursor, colours, hides, reorders or imitates the text around it.
 
 Everything that people read goes through ``printable``: lines and titles of certificates, tables, errors, notes, names out of files.
 """

@@ -49,7 +49,7 @@ class World(ABC):
 
     @property
     def over(self) -> bool:
-        """True if a world that has an end has come to it."""
+        """Whether the world has come to its end, if it has one."""
         return False
 
 

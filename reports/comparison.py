@@ -162,7 +162,7 @@ class Comparison:
         return gap(evaluation.values[level], bounds[-1], evaluation.sizes[level] if evaluation.sizes else 0.0, evaluation.precision)
 
     def to_frame(self) -> pd.DataFrame:
-        """One row a method.
+        """One row per method.
 
         Columns ``method, objective`` (of the first level, checked), ``verified_bound`` (that its own run led to), ``gap`` (to the best
         verified bound of all runs), ``seconds`` (search alone), ``status``, ``remark``.
@@ -274,10 +274,10 @@ def compare(
     from ..solvers import interrupts
     from ..solving.search_log import shown
 
-    asked = _asked(methods)
+    names = _asked(methods)
     runs: list[Compared] = []
     with shown(log) as written:
-        for name, own in asked.items():
+        for name, own in names.items():
             last = runs[-1].solution if runs else None
             if runs and (interrupts.received or (last is not None and last.limit == "interrupt")):
                 runs.append(Compared(name, None, "not run: interrupted"))

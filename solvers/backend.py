@@ -52,7 +52,7 @@ class Options:
     no_improvement : int, optional
         Iterations without a better answer after which a search ends.
     lp_solver : str
-        Who solves the linear programs that an engine meets on its way.
+        The solver for linear programs that an engine meets on its way.
     extra : dict
         The solver's own options (``--option KEY=VALUE``); unknown ones raise UsageError.
     """
@@ -70,8 +70,8 @@ class Options:
 
     def asked(self) -> dict[str, Any]:
         """The limits that are set and that not every method keeps to, by name."""
-        given = {"iterations": self.iterations, "no_improvement": self.no_improvement, "gap": self.gap or None}
-        return {name: value for name, value in given.items() if value is not None}
+        limits = {"iterations": self.iterations, "no_improvement": self.no_improvement, "gap": self.gap or None}
+        return {name: value for name, value in limits.items() if value is not None}
 
 
 @dataclass(frozen=True)
@@ -189,23 +189,23 @@ class Control:
             end()
 
     def close(self) -> None:
-        """Hear nothing any more: who waited has given up, and takes what was published until now."""
+        """Ignore all that is published from now on: the caller has stopped waiting, and takes what was published so far."""
         with self._lock:
             self._closed = True
 
     def count(self, nodes: int, **further: int) -> None:
-        """Nodes of branch and bound that are done, and what else an engine counts: told with what is published next, here and by whom this
-        hands on to."""
+        """Record the nodes of branch and bound that are done, and other counts: reported with the next publication, here and by the control
+        that this one passes on to."""
         self.nodes, self.counts = nodes, further
         if self._counts_for is not None:
             self._counts_for.count(nodes, **further)
 
     def begin_set_up(self) -> None:
-        """The engine begins to make its own model of what it was given, which counts against its limit and may take much of it."""
+        """Note that the engine begins to build its own model, which counts against its time limit."""
         self.setting_up = True
 
     def end_set_up(self, seconds: float) -> None:
-        """Its search begins; the first call counts, of an engine that searches several times."""
+        """Note that the model is built and the search begins; of an engine that searches several times, the first call counts."""
         if not self.setting_up:
             return
         self.setting_up, self.set_up = False, seconds
@@ -214,7 +214,7 @@ class Control:
 
     @property
     def left(self) -> str:
-        """A phrase that says what remains of the work of an engine that did not come back."""
+        """A phrase on what is left of the work of an engine that did not return."""
         when = " while it was still setting up" if self.setting_up else ""
         return f"{when}; its last published answer is used" if self.answer is not None else f"{when}, and had published no answer"
 
@@ -302,7 +302,7 @@ class Backend(ABC):
         return f"{self.name}:{self.variant}" if self.variant else self.name
 
     def converted(self, options: Options) -> Options:
-        """``options`` with those of its own in their types; raises UsageError for others."""
+        """``options`` with the solver's own ones converted to their types; raises UsageError for unknown ones."""
         return options if self.options is None else replace(options, extra=own_options(self.label, options.extra, self.options))
 
     @classmethod
@@ -360,7 +360,7 @@ class Engine(Backend):
     bounds_itself: ClassVar[bool] = False
 
     def needs(self, problem: Problem) -> Needs:
-        """All that who chooses an engine asks it about ``problem``, at once."""
+        """Whether the engine can take ``problem``, and what a run would need, in one answer."""
         missing = self.missing(problem)
         return Needs(missing) if missing else Needs(missing, self.memory(problem), self.set_up_seconds(problem), self.apart(problem))
 
@@ -371,7 +371,7 @@ class Engine(Backend):
         return problem.features() - self.features
 
     def unasked(self, problem: Problem) -> bool:
-        """Whether it may be used for ``problem`` where the user names no solver."""
+        """Whether the engine may be the default solver for ``problem``."""
         return self.by_default
 
     def apart(self, problem: Problem) -> bool:
@@ -379,8 +379,8 @@ class Engine(Backend):
         return self.needs_process
 
     def begin(self, problem: Problem, options: Options, control: Control) -> Stop:
-        """The end of a search that begins now; raises UnsupportedError for a problem that it lacks a feature of, and UsageError for an
-        option of another name or kind."""
+        """The stop of a search that begins now; raises UnsupportedError for a feature that the engine lacks, UsageError for an option of
+        another name or type."""
         lacking = self.missing(problem)
         if lacking:
             raise UnsupportedError(self.name, lacking)
@@ -394,7 +394,7 @@ class Engine(Backend):
         return 0.0
 
     def set_up_seconds(self, problem: Problem) -> float:
-        """About how long that takes to be made, for who decides whether to begin at all."""
+        """About how many seconds its own model of ``problem`` takes to build; decides whether a run is begun at all."""
         return 0.0
 
     @abstractmethod

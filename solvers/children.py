@@ -91,7 +91,7 @@ def child(command: Sequence[str], folder: Path | None = None, **given: Any) -> I
 
 @contextmanager
 def scratch() -> Iterator[Path]:
-    """A folder for temporary files that is removed with this block; what dead processes left of theirs is removed first."""
+    """A folder for temporary files that is removed after the block; folders left by dead processes are removed first."""
     _sweep()
     folder = Path(tempfile.mkdtemp(prefix=PREFIX))
     with _lock:

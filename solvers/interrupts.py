@@ -55,7 +55,7 @@ def exit_code() -> int:
 
 
 def out_of_time() -> bool:
-    """Whether a signal has left no time but for the last."""
+    """Whether a signal leaves no more time than the last steps take."""
     return insisted or (received != 0 and time.monotonic() - _since > PATIENCE - LAST)
 
 
@@ -67,14 +67,14 @@ def note(number: int = signal.SIGINT) -> None:
 
 
 def reset() -> None:
-    """Forget it."""
+    """Forget all signals."""
     global received, insisted
     received, insisted = 0, False
 
 
 @contextlib.contextmanager
 def held() -> Iterator[None]:
-    """Within this block the first signal is only noted: whoever searches looks at ``received``, and what was found is kept.
+    """Within this block the first signal is only noted: the search looks at ``received``, and its answer so far is kept.
 
     The command line's signals are held. So is Ctrl-C elsewhere, in the main thread and where nobody else takes it; it is forgotten at
     the end of the outermost block, which is what asked for the search.
@@ -119,7 +119,7 @@ def keep() -> None:
 
 
 def take_over() -> None:
-    """Answer the signals of this process, the command line's; those that its caller has it ignore stay ignored."""
+    """Handle the signals of this process, for the command line; signals that its caller made it ignore stay ignored."""
     global _ours, _held
     _ours, _held = True, 0
     reset()
@@ -151,7 +151,7 @@ def _hear(number: int, frame: FrameType | None) -> None:
 
 
 def _lost(fault: Any) -> None:
-    """Python drops what is raised while it collects garbage, as in a callback of the import system: the signal is sent again."""
+    """Send a signal again whose exception Python dropped, as it does during garbage collection and in callbacks of the import system."""
     if fault.exc_type is not KeyboardInterrupt or not received:
         sys.__unraisablehook__(fault)
         return

@@ -102,7 +102,7 @@ class _Child:
             self.mine.send_bytes(payload)
 
     def watch(self, aside: bool = False) -> RawResult:
-        """Take what comes until the child is done or dead."""
+        """Handle the child's messages until it is done or dead."""
         last: RawResult | None = None
         with nullcontext() if aside else off_the_clock():
             while last is None and self.searching is None:
@@ -112,7 +112,7 @@ class _Child:
         return last
 
     def _step(self) -> RawResult | None:
-        """Wait for a moment; the result, once there is one. A child that tells much is overdue like any other."""
+        """Wait for a moment; the result, once there is one. A child that reports often is overdue like any other."""
         try:
             if self.mine.poll(_TICK) and (last := self._take(pickle.loads(self.mine.recv_bytes()))) is not None:
                 return last
@@ -154,14 +154,14 @@ class _Child:
         return None
 
     def _stands(self, what: str, seconds: float) -> None:
-        """The child's clock stands still, or runs on after so many seconds."""
+        """Note that the child's clock stands still, or runs again after so many seconds."""
         tell(what, seconds)
         self.standing += 1 if math.isnan(seconds) else -1
         if not self.standing and self.searching is not None:
             self.searching += seconds
 
     def _overdue(self) -> bool:
-        """Ask for the end where it is due; whether the child has had its grace."""
+        """Ask the child to stop when its time is over; whether its grace is over, too."""
         now = time.perf_counter()
         if self.asked is None:
             since = self.began + STARTUP if self.searching is None else self.searching + self.options.time_limit + OVERTIME
@@ -178,10 +178,10 @@ class _Child:
         """Message about a child that ended without a result."""
         code = self.process.wait()
         self.output.seek(0)
-        said = self.output.read()[-2000:].decode(errors="replace").strip()
-        last = said.splitlines()[-1] if said else ""
+        text = self.output.read()[-2000:].decode(errors="replace").strip()
+        last = text.splitlines()[-1] if text else ""
         limit = self.options.memory_limit
-        if limit is not None and lacked_memory(said):
+        if limit is not None and lacked_memory(text):
             return self._from_incumbents(f"the memory limit of {limit:g} MB was reached: {last}", "memory")
         how = f"was ended by {signal.Signals(-code).name}" if code < 0 else f"ended with code {code}"
         return self._from_incumbents(f"the solver's process {how}" + (f": {last}" if last else ""))
@@ -274,7 +274,7 @@ def serve(descriptor: int) -> None:
 
 
 def lacked_memory(said: str) -> bool:
-    """Whether a last word is that of a program that ran out of memory, be it a library that could not be loaded."""
+    """Whether the last output is that of a process that ran out of memory, such as a library that could not be loaded."""
     return any(
         word in said for word in ("bad_alloc", "MemoryError", "annot allocate", "out of memory", "failed to map segment", "SystemError")
     )

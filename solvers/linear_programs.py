@@ -1,4 +1,4 @@
-"""Linear programs that bounds, engines and heuristics meet on their way, and who solves them."""
+"""The linear programs that bounds, engines and heuristics meet on their way, and the solver that they use."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ Suits = Mapping[str, Mapping[str, Any]]
 
 @dataclass
 class LinearPrograms:
-    """Solves one after the other.
+    """Solves linear programs, one after the other.
 
     Parameters
     ----------
@@ -63,14 +63,14 @@ class LinearPrograms:
         """Row duals of shape (rows,); None where the solver finds none in time."""
         if stop.reached():
             return None
-        found = self.solve(program, stop, suits).row_duals
-        return None if found is None or not np.isfinite(found).all() else found
+        row_duals = self.solve(program, stop, suits).row_duals
+        return None if row_duals is None or not np.isfinite(row_duals).all() else row_duals
 
 
 def linear_programs(solver: str | None, seed: int = 1, threads: int = 1) -> LinearPrograms:
-    """Solved by whom the user names, who is looked for at once; or by the default, which few problems need."""
+    """Linear programs by the solver that the user names, which is looked up at once, or by the default one, looked up when first needed."""
     if solver is None:
         return LinearPrograms(seed=seed, threads=threads)
-    made = LinearPrograms(solver, seed, threads)
-    made.backend()
-    return made
+    linear = LinearPrograms(solver, seed, threads)
+    linear.backend()
+    return linear

@@ -1,4 +1,4 @@
-"""One linear program that is solved again and again with other bounds, each time from where it stood."""
+"""A linear program that is solved again and again with changed bounds, each time from the last basis."""
 
 from __future__ import annotations
 
@@ -63,23 +63,23 @@ class LinearSession:
         self._grown = False
 
     def bound(self, lower: Floats, upper: Floats) -> None:
-        """Bounds of all variables from now on."""
+        """Set the bounds of all variables."""
         changed = np.nonzero((self.lower != lower) | (self.upper != upper))[0].astype(np.int32)
         if len(changed):
             self._model.changeColsBounds(len(changed), changed, lower[changed], upper[changed])
             self.lower[changed], self.upper[changed] = lower[changed], upper[changed]
 
     def without_costs(self) -> None:
-        """Ask for any point from now on."""
+        """Drop the objective: any point will do."""
         columns = np.arange(self._program.num_variables, dtype=np.int32)
         self._model.changeColsCost(len(columns), columns, np.zeros(len(columns)))
 
     def price(self, columns: Longs, cost: Floats) -> None:
-        """Costs of some columns from now on."""
+        """Set the costs of some columns."""
         self._model.changeColsCost(len(columns), columns.astype(np.int32), cost)
 
     def add(self, cost: Floats, starts: Longs, rows: Longs, values: Floats, upper: Floats | None = None) -> None:
-        """Further columns from 0 up to ``upper``, or without an end; ``starts`` says where the entries of each begin."""
+        """Append columns with bounds 0 and ``upper``, by default infinite; ``starts`` says where the entries of each begin."""
         size, none = len(cost), np.zeros(len(cost))
         upper = np.full(size, math.inf) if upper is None else upper
         self._model.addCols(size, cost, none, upper, len(rows), starts.astype(np.int32), rows.astype(np.int32), values.astype(np.float64))
@@ -87,28 +87,28 @@ class LinearSession:
         self._grown = True
 
     def add_rows(self, lower: Floats, starts: Longs, columns: Longs, values: Floats) -> None:
-        """Further rows of at least ``lower``; ``starts`` says where the entries of each begin."""
+        """Append rows of at least ``lower``; ``starts`` says where the entries of each begin."""
         size, given = len(lower), (starts.astype(np.int32), columns.astype(np.int32), values.astype(np.float64))
         self._model.addRows(size, lower, np.full(size, math.inf), len(columns), *given)
         self._grown = True
 
     def bound_row(self, row: int, lower: float) -> None:
-        """Let a row be ``lower`` at least from now on, which may be minus infinity."""
+        """Set the lower limit of a row, which may be minus infinity."""
         self._model.changeRowBounds(row, lower, math.inf)
 
     def remove_rows(self, rows: Longs) -> None:
-        """Remove some rows; where they stood must not matter."""
+        """Remove some rows, which must not be binding."""
         if len(rows):
             self._model.deleteRows(len(rows), rows.astype(np.int32))
 
     def remove_columns(self, columns: Longs) -> None:
-        """Remove some columns that stand at 0."""
+        """Remove some columns, whose values must be 0."""
         if len(columns):
             self._model.deleteCols(len(columns), columns.astype(np.int32))
             self.lower, self.upper = np.delete(self.lower, columns), np.delete(self.upper, columns)
 
     def primal(self, wanted: bool) -> None:
-        """Go on by the primal simplex, which columns do not throw back; else by the dual, which rows and bounds do not."""
+        """Use the primal simplex, which new columns leave feasible, or else the dual one, which new rows and bounds leave feasible."""
         self._model.setOptionValue("simplex_strategy", 4 if wanted else 1)
 
     def basis(self) -> Any:
@@ -139,8 +139,8 @@ class LinearSession:
             if status == s.kTimeLimit:
                 continue
             if status in (s.kOptimal, s.kModelEmpty):
-                found = model.getSolution()
-                x, duals, reduced = (np.array(part) for part in (found.col_value, found.row_dual, found.col_dual))
+                point = model.getSolution()
+                x, duals, reduced = (np.array(part) for part in (point.col_value, point.row_dual, point.col_dual))
                 return LinearResult("optimal", float(info.objective_function_value), x, duals, reduced=reduced)
             if status == s.kInfeasible:
                 _, known, ray = model.getDualRay()

@@ -1,4 +1,4 @@
-"""The options that a solver has of its own, beside those that all share."""
+"""Options of one solver only, beside those that all share."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ TRUTHS = {"true": True, "on": True, "1": True, "false": False, "off": False, "0"
 def own_options(
     label: str, given: Mapping[str, Any], known: Mapping[str, Any], common: Mapping[str, str] | None = None, word: str = "option"
 ) -> dict[str, Any]:
-    """Options that the user named, in the types that they have.
+    """The user's options, converted to their types.
 
     Raises UsageError for the first one that is common, not known, or not of its type.
 
@@ -35,7 +35,7 @@ def own_options(
     word : str
         What the solver calls an option.
     """
-    made = {}
+    options = {}
     for name, value in given.items():
         if common and name in common:
             raise UsageError(f"{label}: set {common[name]} by its own option, not by {name}")
@@ -43,10 +43,10 @@ def own_options(
             raise UsageError(f"{label} has no {word} {name!r}{_hint(name, known)}", "unknown-name")
         kind = type(known[name])
         try:
-            made[name] = value if known[name] is None else _converted(value, kind)
+            options[name] = value if known[name] is None else _converted(value, kind)
         except (KeyError, TypeError, ValueError, OverflowError):
             raise UsageError(f"{label}: {word} {name} takes {an(WORDS.get(kind, kind.__name__))}, not {value!r}", "malformed") from None
-    return made
+    return options
 
 
 WORDS: dict[type, str] = {bool: "truth value", int: "whole number", float: "number", str: "text"}

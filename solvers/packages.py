@@ -9,7 +9,7 @@ _FOUND: set[str] = set()
 
 
 def is_installed(module: str) -> bool:
-    """Whether a top-level module can be found; what was is not looked for again, what is missing is, for it may be installed now."""
+    """Whether a top-level module can be found; only missing ones are looked for again, since they may be installed meanwhile."""
     if module not in _FOUND and importlib.util.find_spec(module) is not None:
         _FOUND.add(module)
     return module in _FOUND

@@ -1,4 +1,4 @@
-"""Objectives in order of priority, for backends that take one: level by level, what was reached held by a row.
+"""Objectives in order of priority for backends that take one objective: level by level, with a row that keeps what was reached.
 
 The program of level k + 1 is that of level k with another objective and the row ``cost_k x <= value_k`` (``>=`` where more is better),
 and its search begins with the answer of level k. Where the value is a multiple of what all costs are multiples of, it is held exactly;
@@ -40,37 +40,37 @@ def by_priority(who: str, run: Run, program: Program, options: Options, control:
         raise UnsupportedError(who, {"levels of priority after a quadratic objective"})
     ends = time.perf_counter() + options.time_limit
     current, held = program.first_level(), Held()
-    said = first = run(current, options, control)
+    result = first = run(current, options, control)
     answer, further, earlier, notes, searched = first.answer, list[LevelClaim](), list[Any](), list[str](), [first]
     for number, level in enumerate(program.further, start=2):
-        left = ends - time.perf_counter()
-        if answer is None or said.status not in ("optimal", "feasible") or said.limit in ("time", "interrupt", "memory"):
+        seconds_left = ends - time.perf_counter()
+        if answer is None or result.status not in ("optimal", "feasible") or result.limit in ("time", "interrupt", "memory"):
             break
-        if control.stopped or left <= 0:
-            said = replace(said, status="feasible", limit="interrupt" if control.stopped else "time")
+        if control.stopped or seconds_left <= 0:
+            result = replace(result, status="feasible", limit="interrupt" if control.stopped else "time")
             break
         before = current
         for precision in _precisions(before, answer):
             current = held.add(before, answer, level, precision)
             within = replace(options, time_limit=max(ends - time.perf_counter(), 0.0), start=answer)
             try:
-                said = run(current, within, _LevelControl(control, first, held))
+                result = run(current, within, _LevelControl(control, first, held))
             except UnsupportedError as fault:
-                said = RawResult("unknown", message=f"level {number}: {fault}")
-            if said.status != "infeasible":
+                result = RawResult("unknown", message=f"level {number}: {fault}")
+            if result.status != "infeasible":
                 break
-        searched.append(said)
-        if said.answer is not None and held.keeps(said.answer):
+        searched.append(result)
+        if result.answer is not None and held.keeps(result.answer):
             earlier.append(answer)
-            answer = said.answer
-        elif said.status not in ("unknown", "error"):
-            notes.append(f"level {number}: {who} says {said.status} of what the answer before it is one of")
-            said = replace(said, status="feasible")
-        further.append(LevelClaim(level.value(answer), said.bound))
+            answer = result.answer
+        elif result.status not in ("unknown", "error"):
+            notes.append(f"level {number}: {who} says {result.status} of what the answer before it is one of")
+            result = replace(result, status="feasible")
+        further.append(LevelClaim(level.value(answer), result.bound))
     if not further:
-        return replace(first, status="feasible" if first.status == "optimal" else first.status, limit=said.limit)
+        return replace(first, status="feasible" if first.status == "optimal" else first.status, limit=result.limit)
     closed = all(one.status == "optimal" for one in searched) and len(searched) == len(program.further) + 1
-    limits = [one.limit for one in (*searched, said) if one.limit != "none"] or ["time" if time.perf_counter() >= ends else "none"]
+    limits = [one.limit for one in (*searched, result) if one.limit != "none"] or ["time" if time.perf_counter() >= ends else "none"]
     holds = first.holds
     for one in searched[1:]:
         holds = holds.then(one.holds)
@@ -120,12 +120,12 @@ class Held:
 
 
 def _precisions(program: Program, x: Floats) -> list[float]:
-    """How closely the value of ``x`` is held: first as closely as values are told apart, then as closely as solvers see."""
+    """Tolerances within which later levels keep the value of ``x``: first the least that counts as a difference, then that of solvers."""
     return [EQUAL] if _side(program, x, EQUAL) == _side(program, x, VECTOR) else [EQUAL, VECTOR]
 
 
 def _side(program: Program, x: Floats, precision: float) -> float:
-    """The most that the objective without its offset, times -1 where more is better, may be, so that it is no worse than ``x``."""
+    """The right side of the row that keeps the objective no worse than at ``x``: without its offset, and negative where more is better."""
     at = np.nonzero(program.cost)[0]
     cost, whole = (1.0 if program.sense == "min" else -1.0) * program.cost[at], bool(program.integer[at].all())
     amount = np.where(program.integer[at], np.round(x[at]), x[at])

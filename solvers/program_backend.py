@@ -79,13 +79,13 @@ class ProgramBackend(Backend):
         return (cls.name,) if cls().able(features) else ()
 
     def able(self, features: frozenset[str]) -> bool:
-        """Whether it takes programs of ``features``, once they are reduced, as far as features tell."""
+        """Whether it takes programs of these features, once they are reduced; the numbers may still forbid it."""
         for reduction in self.reductions:
             features = reduction.features(features)
         return any(features <= most for most in self.programs) and (not self.only_integers or features >= INTEGERS)
 
     def lacking(self, program: Program) -> frozenset[str]:
-        """Features of ``program`` that the solver lacks, as far as features tell; one without variables is settled for everybody."""
+        """Features of ``program`` that the solver lacks, whatever its numbers; a program without variables needs no solver."""
         features = program.features()
         if self.able(features) or not program.num_variables:
             return frozenset()
@@ -111,7 +111,7 @@ class ProgramBackend(Backend):
         return tidied.then((UNITS, *self.reductions))
 
     def refusal(self, missing: Iterable[str], program: Program) -> UnsupportedError:
-        """That ``program`` cannot be taken, and who can."""
+        """The error that says why ``program`` cannot be taken, and names the solvers that can."""
         able = [name for name in takers(program.features(), self.label) if not solver_named(name).missing(program)]  # type: ignore[attr-defined]
         return UnsupportedError(self.label, set(missing), able)
 
@@ -141,11 +141,11 @@ class ProgramBackend(Backend):
             raise self.refusal({str(fault)}, program) from None
         start = None if options.start is None else chain.encoded(np.asarray(options.start, dtype=np.float64))
         relay, began = _Relay(control, chain), time.perf_counter()
-        said = self.search(chain.program, replace(options, start=start), relay)
-        if said.status == "infeasible_or_unbounded":
-            left = options.time_limit - (time.perf_counter() - began)
-            said = replace(said, status=self._which(chain.program, replace(options, time_limit=left), control))
-        result = self._concluded(chain.program, said, relay)
+        raw = self.search(chain.program, replace(options, start=start), relay)
+        if raw.status == "infeasible_or_unbounded":
+            seconds_left = options.time_limit - (time.perf_counter() - began)
+            raw = replace(raw, status=self._which(chain.program, replace(options, time_limit=seconds_left), control))
+        result = self._concluded(chain.program, raw, relay)
         answer = None if result.answer is None else np.asarray(chain.vector(result.answer), dtype=np.float64)
         objective = None if answer is None else program.value(answer)
         bound = None if result.bound is None else chain.bound(result.bound)
@@ -153,13 +153,13 @@ class ProgramBackend(Backend):
         counted = [v if v is None or units is None else units.counted(v) for v in (objective, bound)]
         if bound is not None and result.status == "optimal" and chain.exactness is Exactness.EXACT and not _meet(*counted):
             # What is near without a constant need not be near with one.
-            result = replace(result, status="feasible", limit=said.limit if said.limit != "none" else "gap")
+            result = replace(result, status="feasible", limit=raw.limit if raw.limit != "none" else "gap")
         if result.status == "feasible" and not program.is_integer:
             objective = None  # on no vertex, a point is as good as its residuals: what it is worth is for the judge to say
         return replace(
             result,
             answer=answer,
-            objective=objective if said.objective is None else chain.value(said.objective),
+            objective=objective if raw.objective is None else chain.value(raw.objective),
             bound=bound,
             row_duals=None if result.row_duals is None else chain.duals(result.row_duals),
             holds=chain.exactness,
@@ -247,7 +247,7 @@ class _Relay(Control):
 
 
 def settled(program: Program) -> RawResult | None:
-    """The result where no search is needed: limits that cross, empty rows that exclude 0, no variables; None for every other program."""
+    """The result where no search is needed: crossed limits, empty rows that exclude 0, no variables; else None."""
     for lower, upper, name, what in (
         (program.lower, program.upper, program.variable_name, "bounds of"),
         (program.row_lower, program.row_upper, program.row_name, "sides of row"),
@@ -277,5 +277,5 @@ def kinds_of(backend: type[ProgramBackend]) -> list[str]:
 def takers(features: frozenset[str], but: str = "") -> list[str]:
     """Installed solvers that take programs of ``features``, other than ``but``."""
     backends = [BACKENDS[name] for name in BACKENDS]
-    found = [n for b in backends if issubclass(b, ProgramBackend) and b.installed() for n in b.takers(features)]
-    return [name for name in found if name != but]
+    able = [n for b in backends if issubclass(b, ProgramBackend) and b.installed() for n in b.takers(features)]
+    return [name for name in able if name != but]

@@ -185,7 +185,7 @@ def solve(
         True shows a line per improvement and per few seconds, and at the end what was proved: in the cell of a notebook, else on standard
         error. A path writes it to a file. ``Solution.history`` has the figures in any case.
     lp_solver : str, optional
-        Who solves the linear programs that bounds, engines and heuristics meet on their way: a name of ``solvers()``, by default HiGHS.
+        The solver of the linear programs that bounds, engines and heuristics meet on their way: a name of ``solvers()``, by default HiGHS.
     isolate : bool
         Run the solver in a process of its own, with hard time and memory limits.
     options : dict, optional
@@ -313,7 +313,7 @@ def bound(problem: Problem, *, bound_time: float = 60.0, seed: int = 1, threads:
     seed, threads : int
         Of the linear programs and searches that methods begin on their way.
     lp_solver : str, optional
-        A name of ``solvers()``: who solves the linear programs that methods meet on their way; HiGHS by default.
+        The solver of the linear programs that methods meet on their way, a name of ``solvers()``; HiGHS by default.
 
     Returns
     -------
@@ -341,10 +341,10 @@ def bound(problem: Problem, *, bound_time: float = 60.0, seed: int = 1, threads:
     check_whole("seed", seed)
     check_whole("threads", threads, least=1)
     unable: list[str] = []
-    made, _, _ = bound_alone(problem, bound_time, linear_programs(lp_solver, seed, threads), unable)
+    certificate, _, _ = bound_alone(problem, bound_time, linear_programs(lp_solver, seed, threads), unable)
     for line in unable:
         warnings.warn(line, RuntimeWarning, stacklevel=2)
-    return made
+    return certificate
 
 
 def explain(problem: Problem | Compiled | Program, *, time_limit: float = 60.0, form: str | None = None) -> Explanation:

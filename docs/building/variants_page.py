@@ -14,7 +14,7 @@ from waybound.solving.listing import heuristic_table, solver_table
 
 TEXT = """# Variants and who takes them
 
-Made by asking. For a small problem of each variant, `wb.solvers(problem)` and `wb.heuristics(problem)` say who takes it, and what each of
+Made by asking. For a small problem of each variant, `wb.solvers(problem)` and `wb.heuristics(problem)` say which take it, and what each of
 the others lacks. *Exact* solvers search the whole problem through [forms](../formulations/index.md#what-there-is) or by engines that
 finish; engines such as `pyvrp`, `ortools` and `vroom` find good answers and prove nothing, so that the bound beside them is waybound's own.
 `vrpsolver` claims optima and bounds, and shows no evidence.

@@ -95,30 +95,30 @@ def faults(case: ExchangeCase, schedule: Sequence[Sortie]) -> list[str]:
     Knows nothing of how schedules are made: each robot's day is gone through step by step. Source of the rules: Mitchell (2020), appendix
     A.1; docs/missions/fleet-energy.md#schedules.
     """
-    found = []
+    messages = []
     for robot in sorted({sortie.robot for sortie in schedule} | set(case.aloft)):
         if not 0 <= robot < len(case.ready):
-            found.append(f"there is no robot {robot}")
+            messages.append(f"there is no robot {robot}")
             continue
         own = sorted((s for s in schedule if s.robot == robot), key=lambda s: s.arrive)
         free = int(case.ready[robot])
         for k, sortie in enumerate(own):
             if not 0 <= sortie.place < len(case.begin):
-                found.append(f"robot {robot} flies to place {sortie.place}, which does not exist")
+                messages.append(f"robot {robot} flies to place {sortie.place}, which does not exist")
                 break
             way = int(case.travel[robot, sortie.place])
             takeoff, landing = sortie.arrive - way, sortie.leave + way
             if k == 0 and robot in case.aloft:
                 place, takeoff, arrive = case.aloft[robot]
                 if (sortie.place, sortie.arrive) != (place, max(arrive, 0)):
-                    found.append(f"robot {robot} is aloft to place {place} from step {max(arrive, 0)}, not as scheduled")
+                    messages.append(f"robot {robot} is aloft to place {place} from step {max(arrive, 0)}, not as scheduled")
             elif takeoff < free:
-                found.append(f"robot {robot} takes off at step {takeoff}, but is charged at step {free}")
+                messages.append(f"robot {robot} takes off at step {takeoff}, but is charged at step {free}")
             if sortie.leave < sortie.arrive:
-                found.append(f"robot {robot} leaves place {sortie.place} before it arrives")
+                messages.append(f"robot {robot} leaves place {sortie.place} before it arrives")
             if landing - takeoff > case.flight:
-                found.append(f"robot {robot} flies {landing - takeoff} steps, but its battery lasts {case.flight}")
+                messages.append(f"robot {robot} flies {landing - takeoff} steps, but its battery lasts {case.flight}")
             free = landing + case.charge
         if robot in case.aloft and not own:
-            found.append(f"robot {robot} is aloft, and the schedule does not say until when")
-    return found
+            messages.append(f"robot {robot} is aloft, and the schedule does not say until when")
+    return messages

@@ -212,7 +212,7 @@ class ArrayProblem(Problem):
         return self._vector(given)
 
     def answer_to_frame(self, answer: Any) -> pd.DataFrame:
-        """One row a variable: variable, value, lower, upper."""
+        """One row per variable: variable, value, lower, upper."""
         import pandas as pd
 
         p = self.program

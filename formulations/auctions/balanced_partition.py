@@ -109,7 +109,7 @@ class BalancedPartition(RobotShares):
         return [math.fsum(self.terms(part)) for part in parts]
 
     def evaluate(self, answer: Any) -> Evaluation:
-        """Recompute the objective, and test that there is one part a robot, and every task is in one of them."""
+        """Recompute the objective, and test that there is one part per robot, and every task is in one of them."""
         checks, faults = self.judge_shares(answer)
         terms = [self.terms(part) for part in answer]
         costs = [math.fsum(own) for own in terms]
@@ -119,7 +119,7 @@ class BalancedPartition(RobotShares):
         return Evaluation((value,), checks, faults, quantities, (max(size, abs(value)),))
 
     def answer_to_frame(self, answer: Parts) -> pd.DataFrame:
-        """One row a task: robot, task, its weight, and the cost of the part that it is in."""
+        """One row per task: robot, task, its weight, and the cost of the part that it is in."""
         import pandas as pd
 
         data, costs = self.instance, self.costs(answer)

@@ -53,7 +53,7 @@ class BinAssignment(Problem):
     """Send robots to bins, no two to one bin, as many as possible, at the least sum of costs or the least largest cost.
 
     An answer is optimal if it has as many pairs as any (or as are asked for), and no other of as many pairs costs less: the number comes
-    first, whatever it costs. A bin that nobody fills can be no robot's. An answer is a tuple of one bin a robot, -1 for none.
+    first, whatever it costs. A bin that nobody fills can be no robot's. An answer is a tuple of one bin per robot, -1 for none.
 
     Parameters
     ----------
@@ -293,7 +293,7 @@ class BinAssignment(Problem):
         return tuple(bin_of_robot)
 
     def answer_of(self, given: Any) -> Assignment:
-        """A tuple or array of one bin a robot as numbers from 0, -1 for none, or a mapping of robots' names to bins'."""
+        """A tuple or array of one bin per robot as numbers from 0, -1 for none, or a mapping of robots' names to bins'."""
         if isinstance(given, Mapping):
             return self._numbered([(str(robot), str(name), None) for robot, name in given.items()])
         if isinstance(given, np.ndarray) and given.ndim == 1 and given.dtype.kind in "iu":
@@ -354,7 +354,7 @@ class BinAssignment(Problem):
         return answer
 
     def answer_to_frame(self, answer: Assignment) -> pd.DataFrame:
-        """One row a pair: robot, bin, cost."""
+        """One row per pair: robot, bin, cost."""
         import pandas as pd
 
         pairs, costs = self._named(answer), self.costs_of(answer)[np.array(answer) >= 0]

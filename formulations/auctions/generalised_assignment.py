@@ -198,7 +198,7 @@ class GeneralisedAssignment(Problem):
             raise UsageError(f"the start is no assignment of {self.num_jobs} jobs to {m} agents", "foreign")
 
     def answer_to_frame(self, answer: AgentOfJob) -> pd.DataFrame:
-        """One row a job that is done: job, agent, cost or profit, consumption."""
+        """One row per job that is done: job, agent, cost or profit, consumption."""
         import pandas as pd
 
         data = self.instance

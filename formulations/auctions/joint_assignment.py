@@ -211,7 +211,7 @@ class JointAssignment(Problem):
         return tuple(answer)
 
     def answer_to_frame(self, answer: Errands) -> pd.DataFrame:
-        """One row a robot that does something: robot, bin, request, time."""
+        """One row per robot that does something: robot, bin, request, time."""
         import pandas as pd
 
         data = self.instance

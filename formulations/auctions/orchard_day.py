@@ -165,7 +165,7 @@ class OrchardDay(Problem):
         return answer
 
     def answer_to_frame(self, answer: Trips) -> pd.DataFrame:
-        """One row a trip: robot, trip, bin brought, bin fetched (from 1), and the step at which it comes home."""
+        """One row per trip: robot, trip, bin brought, bin fetched (from 1), and the step at which it comes home."""
         import pandas as pd
 
         home = self.timetable(answer)

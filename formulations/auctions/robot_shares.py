@@ -45,7 +45,7 @@ class RobotShares(Problem):
         return (tuple(range(self.num_tasks)), *((),) * (self.num_robots - 1))
 
     def judge_shares(self, answer: Any) -> tuple[tuple[Check, ...], tuple[Violation, ...]]:
-        """Test that there is one tuple a robot, and every task in one of them; InputError for what is no answer."""
+        """Test that there is one tuple per robot, and every task in one of them; InputError for what is no answer."""
         tasks = self.num_tasks
         if not isinstance(answer, tuple) or not all(isinstance(share, tuple) and all(type(t) is int for t in share) for share in answer):
             raise InputError("an answer is a tuple of tuples of tasks, one a robot, as numbers from 0", found=printable(repr(answer), 80))
@@ -126,5 +126,5 @@ def settings_of(name: str, settings: Mapping[str, Any], known: tuple[str, ...]) 
 
 def saved(problem: RobotShares, **settings: Any) -> RobotTasks:
     """The instance with the settings that make this problem of it."""
-    made: RobotTasks = with_settings(replace(problem.instance, problem=problem.problem), settings)
-    return made
+    tasks: RobotTasks = with_settings(replace(problem.instance, problem=problem.problem), settings)
+    return tasks

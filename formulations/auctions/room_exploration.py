@@ -168,12 +168,12 @@ class RoomExploration(Problem):
         return plans
 
     def answer_to_frame(self, answer: Plans) -> pd.DataFrame:
-        """One row a robot and step: robot, step, room, action, contact."""
+        """One row per robot and step: robot, step, room, action, contact."""
         import pandas as pd
 
-        heard = self.contacts(answer)
+        contacts = self.contacts(answer)
         rows = [
-            (robot + 1, step + 1, self.instance.room_name(room), ACTIONS[action], bool(heard[step, robot]))
+            (robot + 1, step + 1, self.instance.room_name(room), ACTIONS[action], bool(contacts[step, robot]))
             for robot, deeds in enumerate(answer)
             for step, (room, action) in enumerate(deeds)
         ]

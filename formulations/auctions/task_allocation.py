@@ -88,7 +88,7 @@ class TaskAllocation(RobotShares):
         return math.fsum(leg for own in ahead for leg in own.tolist()) / self.num_tasks
 
     def evaluate(self, answer: Any) -> Evaluation:
-        """Recompute the objective, and test that there is one path a robot, and every task is in one of them."""
+        """Recompute the objective, and test that there is one path per robot, and every task is in one of them."""
         checks, faults = self.judge_shares(answer)
         lengths = [math.fsum(self.legs(robot, path)) for robot, path in enumerate(answer)]
         busy = sum(1 for path in answer if path)
@@ -96,7 +96,7 @@ class TaskAllocation(RobotShares):
         return Evaluation((self.value(answer),), checks, faults, quantities)
 
     def answer_to_frame(self, answer: Paths) -> pd.DataFrame:
-        """One row a task: robot, place in its path, task, the leg to it, and the way until there."""
+        """One row per task: robot, place in its path, task, the leg to it, and the way until there."""
         import pandas as pd
 
         columns: dict[str, list[Any]] = {"robot": [], "place": [], "task": [], "leg": [], "distance": []}

@@ -42,16 +42,16 @@ def _sparse(given: Mapping[str, Any], key: str, length: int) -> Floats:
         raise InputError(f"evidence {key!r} is malformed", expected="lists at and values of one length")
     if not all(type(k) is int and 0 <= k < length for k in at) or len(set(at)) != len(at):
         raise InputError(f"evidence {key!r} names a position that does not exist, or twice", "unknown-name", expected=f"0 to {length - 1}")
-    made = np.zeros(length)
-    made[at] = _array(values, key)
-    return made
+    array = np.zeros(length)
+    array[at] = _array(values, key)
+    return array
 
 
 def _array(values: Sequence[Any], key: str) -> Floats:
     if set(map(type, values)) <= {float}:
-        made = np.array(values, dtype=np.float64)
-        if np.isfinite(made).all():
-            return made
+        array = np.array(values, dtype=np.float64)
+        if np.isfinite(array).all():
+            return array
     return np.array([_finite(value, key) for value in values], dtype=np.float64)
 
 

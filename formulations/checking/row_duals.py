@@ -31,10 +31,10 @@ _WIDEST = 1e12
 
 
 def least_value(program: Any, cost: Floats, duals: Floats) -> tuple[float, Floats]:
-    """At most the least ``cost x`` within rows and bounds, by the duals of its minimisation; no number or minus infinity is no bound.
+    """Lower bound on ``cost x`` within rows and bounds, derived from duals; NaN or minus infinity if they prove none.
 
-    And the duals that it took, which may have been moved far from the given ones: whoever prices more than the rows prices it at these.
-    Where they are fractions, they are rounded towards 0.
+    Also returns the duals that were used, which may be far from the given ones: a caller that prices more than the rows must use these.
+    Fractions among them are rounded towards 0.
     """
     arrays = _Arrays(
         cost, program.lower, program.upper, program.row_lower, program.row_upper,
@@ -93,10 +93,10 @@ def _in_fractions(p: _Arrays, y: Floats) -> tuple[float, Floats]:
         return -math.inf, y
     for i, j, a in zip(p.row.tolist(), p.column.tolist(), p.value.tolist(), strict=True):
         columns[j].append((i, Fraction(a)))
-    given = [Fraction(v) for v in y.tolist()]
+    fractions = [Fraction(v) for v in y.tolist()]
     free = {j for j, (a, b) in enumerate(zip(p.lower.tolist(), p.upper.tolist(), strict=True)) if a == -math.inf and b == math.inf}
     for _ in range(_PASSES):
-        duals = _moved(columns, given, p.cost.tolist(), sorted(free))
+        duals = _moved(columns, fractions, p.cost.tolist(), sorted(free))
         if duals is None:
             return -math.inf, y
         reduced = [
@@ -121,8 +121,8 @@ def _in_fractions(p: _Arrays, y: Floats) -> tuple[float, Floats]:
 
 def _towards_zero(number: Fraction) -> float:
     """The double nearest to a number of those that are not farther from 0."""
-    made = float(number)
-    return made if abs(Fraction(made)) <= abs(number) else math.nextafter(made, 0.0)
+    rounded = float(number)
+    return rounded if abs(Fraction(rounded)) <= abs(number) else math.nextafter(rounded, 0.0)
 
 
 def _moved(columns: list[list[tuple[int, Fraction]]], duals: list[Fraction], cost: list[float], free: list[int]) -> list[Fraction] | None:
@@ -137,7 +137,7 @@ def _moved(columns: list[list[tuple[int, Fraction]]], duals: list[Fraction], cos
             if i in entries:
                 entries[i] += a
         system.append([*entries.values(), rest])
-    made, done = list(duals), 0
+    moved, done = list(duals), 0
     pivots = []
     for _ in system:
         left = [(abs(equation[k]), k, e) for e, equation in enumerate(system[done:], start=done) for k in range(len(rows)) if equation[k]]
@@ -156,14 +156,14 @@ def _moved(columns: list[list[tuple[int, Fraction]]], duals: list[Fraction], cos
     if any(equation[-1] for equation in system[done:]):
         return None
     for equation, k in zip(system, pivots, strict=False):
-        made[rows[k]] += equation[-1]
-    return made
+        moved[rows[k]] += equation[-1]
+    return moved
 
 
 def _vanishing(a: Floats, x: Floats) -> NDArray[np.bool_]:
     """Which products of two numbers that are not 0 may have lost digits below the normal doubles: each less than ``_SMALLEST``."""
-    found: NDArray[np.bool_] = (a != 0) & (x != 0) & (np.abs(_times(a, x)) < _NORMAL)
-    return found
+    vanishing: NDArray[np.bool_] = (a != 0) & (x != 0) & (np.abs(_times(a, x)) < _NORMAL)
+    return vanishing
 
 
 def _one_sided(p: _Arrays, y: Floats) -> Floats:
@@ -183,8 +183,8 @@ def _reduced_costs(p: _Arrays, y: Floats) -> tuple[Floats, Floats]:
 
 def _endless(low: Floats, high: Floats, lower: Floats, upper: Floats) -> NDArray[np.bool_]:
     """Variables that a reduced cost of the wrong sign, or of unknown sign, could drive to infinity."""
-    found: NDArray[np.bool_] = ((low < 0) & (upper == math.inf)) | ((high > 0) & (lower == -math.inf))
-    return found
+    endless: NDArray[np.bool_] = ((low < 0) & (upper == math.inf)) | ((high > 0) & (lower == -math.inf))
+    return endless
 
 
 def _turned(p: _Arrays, y: Floats, wrong: NDArray[np.int64], low: Floats, high: Floats, lower: Floats, upper: Floats) -> Floats:

@@ -7,7 +7,8 @@ from dataclasses import dataclass, replace
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
-from ...instances.errors import UsageError
+from ...instances.errors import InputError, UsageError
+from ..evaluation import input_errors
 from .exactness import Exactness, Link
 from .program import Floats, Program
 from .reductions.continuous_relaxation import CONTINUOUS_RELAXATION
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class Compiled:
-    """A program, what it was made of, and what connects the two.
+    """A program, the problem that it was made of, and the ways between the two.
 
     Parameters
     ----------
@@ -78,6 +79,15 @@ class Compiled:
             raise UsageError(str(fault), "unsupported") from None
         exactness, links = self.exactness.then(step.exactness), (*self.links, step.link)
         return replace(self, program=step.program, exactness=exactness, links=links)
+
+    def start(self, answer: Any, notes: list[str]) -> Floats | None:
+        """The vector of an answer that a search is to start from; None, with a line in ``notes``, if it is no point of the program."""
+        try:
+            with input_errors(self.problem.problem):
+                return None if answer is None or self.encode is None else self.encode(answer)
+        except InputError as fault:
+            notes.append(f"the start was not used: {fault}")
+            return None
 
     def write(self, path: str | PathLike[str]) -> None:
         """See ``Program.write``."""

@@ -1,4 +1,4 @@
-"""Exactness of programs: what their optimum says of the problem that was asked."""
+"""Exactness of programs: how their optimum relates to that of the problem."""
 
 from __future__ import annotations
 
@@ -48,7 +48,7 @@ class Exactness(Enum):
 
 @dataclass(frozen=True)
 class Link:
-    """One step of the chain from what was asked to what a solver was given.
+    """One step of the chain from the problem to the program that a solver was given.
 
     Parameters
     ----------

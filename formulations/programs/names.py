@@ -99,7 +99,7 @@ def _unfit(text: str) -> bool:
 
 
 def _different(names: list[str], prefix: str) -> list[str]:
-    """The same names, with its number added to each that stood there before."""
+    """The same names, made different by adding its index to each that repeats an earlier one."""
     taken: set[str] = set()
     different = []
     for k, text in enumerate(names):

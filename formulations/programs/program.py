@@ -32,7 +32,7 @@ CIRCUITS = frozenset({"circuits"})
 class Block:
     """Names of a block, made only when asked for.
 
-    ``name``: "x", "time", ... ``keys``: one array an index position, each with one entry a variable or row: (i, j, k) of ``x[i,j,k]``.
+    ``name``: "x", "time", ... ``keys``: one array an index position, each with one entry per variable or row: (i, j, k) of ``x[i,j,k]``.
     ``labels``, or None: what an index is called (site ids); None leaves the number.
     """
 
@@ -222,7 +222,7 @@ class Program:
         return replace(self, further=()) if self.further else self
 
     def levels(self) -> list[Program]:
-        """One program an objective, in order of priority; none of them knows what the others ask."""
+        """One program per objective, in order of priority, none with rows that keep the levels before."""
         first = self.first_level()
         return [first, *(replace(first.with_costs(level.cost), sense=level.sense, offset=level.offset) for level in self.further)]
 
@@ -275,7 +275,7 @@ class Program:
         return to_pulp(self, names=names)
 
     def to_cvxpy(self) -> Any:
-        """A ``cvxpy.Problem`` with one vector variable a block."""
+        """A ``cvxpy.Problem`` with one vector variable per block."""
         from .export.cvxpy import to_cvxpy
 
         return to_cvxpy(self)

@@ -1,4 +1,4 @@
-"""Numbers of a program that mean nothing."""
+"""Checks a program for meaningless numbers, such as NaN."""
 
 from __future__ import annotations
 

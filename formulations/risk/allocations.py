@@ -85,10 +85,10 @@ def contradiction(problem: RiskAllocation, data: Mapping[str, Any]) -> str:
     held = f", where {'constraints' if len(fixed) > 1 else 'constraint'} {_listed(fixed)} {'hold' if len(fixed) > 1 else 'holds'}"
     if len(names) == 1:
         most = problem.caps[problem.names.index(names[0])]
-        said = f"every decision gives chance constraint {names[0]} a risk above {most:g}, the most that it may have"
+        reason = f"every decision gives chance constraint {names[0]} a risk above {most:g}, the most that it may have"
     else:
-        said = f"no decision keeps the risks of chance constraints {_listed(names)} within their budgets, however they are shared out"
-    return said + held if fixed else said
+        reason = f"no decision keeps the risks of chance constraints {_listed(names)} within their budgets, however they are shared out"
+    return reason + held if fixed else reason
 
 
 def _priced_names(values: Any, names: Sequence[str]) -> list[str]:

@@ -75,7 +75,7 @@ def any_fails(slack: Floats, covariance: Floats, constraint: Ints | None = None,
 
     ``slack`` has the shape (rows,), ``covariance`` is positive semidefinite; rows without variance hold for certain, or fail. A constraint
     of several rows fails where all of its rows do; by default each row is one. At most ``points`` samples are drawn. The confidence of the
-    limits is that of one look: who picks the best of many answers by the same samples picks their errors, too.
+    limits is that of one look: choosing the best of many answers by the same samples chooses by their errors, too.
     """
     deviation = np.sqrt(np.maximum(np.diag(covariance), 0.0))  # which rounding may leave below 0
     scale = np.where(deviation > 0.0, deviation, 1.0)

@@ -237,7 +237,7 @@ class RiskyPath(Problem):
         return tuple(indices_of(given, {self.graph.state_name(k): k for k in range(self.graph.num_states)}, "state"))
 
     def answer_to_frame(self, answer: Any) -> pd.DataFrame:
-        """One row a state: its name, place, reward, the risk of each element, and the risk of the path until then."""
+        """One row per state: its name, place, reward, the risk of each element, and the risk of the path until then."""
         import pandas as pd
 
         path = self._path(answer)

@@ -48,7 +48,7 @@ class JointCosts:
     def of_paths(cls, graph: UncertainGraph, paths: Sequence[Sequence[int]], observed: Floats | None = None) -> JointCosts:
         """Costs of paths through a graph; raises InputError if a path uses an edge that does not exist.
 
-        ``observed`` has one entry an edge, a cost that is known or NaN.
+        ``observed`` has one entry per edge, a cost that is known or NaN.
         """
         edges = [graph.edges_of(path) for path in paths]
         if any((used < 0).any() for used in edges):

@@ -137,7 +137,7 @@ class UncertainPath(Problem):
         return tuple(numbers[str(name)] for name in names)
 
     def answer_to_frame(self, answer: Path) -> pd.DataFrame:
-        """One row an edge: from, to, mean, variance, and mean and standard deviation of the cost up to its end."""
+        """One row per edge: from, to, mean, variance, and mean and standard deviation of the cost up to its end."""
         import pandas as pd
 
         g, edges = self.graph, self.graph.edges_of(answer)

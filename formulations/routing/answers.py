@@ -79,7 +79,7 @@ def runs(problem: RoutingProblem, answer: Routes) -> Iterator[Run]:
 
 
 def routes_to_frame(problem: RoutingProblem, answer: Routes) -> pd.DataFrame:
-    """One row a stop: vehicle, position, site, arrival, begin, departure, load, distance (cumulated).
+    """One row per stop: vehicle, position, site, arrival, begin, departure, load, distance (cumulated).
 
     ``on_board`` where loads are collected or shipped, ``energy`` where stores are filled on the way; then the attributes of sites.
     Times are moments where the problem was made of timestamps.
@@ -118,7 +118,7 @@ def _dated(problem: RoutingProblem, frame: pd.DataFrame, columns: Sequence[str])
 
 
 def routes_frame(problem: RoutingProblem, answer: Routes) -> pd.DataFrame:
-    """One row a route; ``sites`` are in order, from the depot on."""
+    """One row per route; ``sites`` are in order, from the depot on."""
     import pandas as pd
 
     driven = list(runs(problem, answer))
@@ -166,7 +166,7 @@ SHOWN_ROUTES = 20
 
 
 def routes_lines(problem: RoutingProblem, answer: Routes) -> list[Line]:
-    """A line a route, and one a site that is left out, with the reason."""
+    """A line per route, and one a site that is left out, with the reason."""
     lines = []
     for run in itertools.islice(runs(problem, answer), SHOWN_ROUTES):
         load = f", load {run.plan.total_load:.6g}" if run.plan.total_load else ""
@@ -215,7 +215,7 @@ def answer_graph(problem: RoutingProblem, answer: Routes) -> Any:
 
 
 def answer_geojson(problem: RoutingProblem, answer: Routes) -> dict[str, Any]:
-    """A ``FeatureCollection`` (RFC 7946): a line a route, straight from stop to stop, a point a site, and one a stop at a depot on the
+    """A ``FeatureCollection`` (RFC 7946): a line per route, straight from stop to stop, a point per site, and one a stop at a depot on the
     way.
 
     Raises UsageError if sites have no latitude and longitude.

@@ -30,7 +30,7 @@ FIRST = 10
 
 def facts(problem: RoutingProblem) -> dict[str, Any]:
     """Objective, sites, demand, service, windows, travel and fleet; loads, relations of sites and the like where there are any."""
-    s, at, held = problem.sites, problem.customers, features(problem)
+    s, at, present = problem.sites, problem.customers, features(problem)
     due = s.due[at][np.isfinite(s.due[at])]
     return {
         "objective": str(problem.objective),
@@ -54,7 +54,7 @@ def facts(problem: RoutingProblem) -> dict[str, Any]:
         "min_vehicles": problem.min_vehicles,
         **({} if problem.team_risk is None else {"team_risk": problem.team_risk}),
         **({"around": dataclasses.asdict(middle(s.coordinates))} if s.geographic and s.coordinates is not None else {}),
-        **{key: of(s, at) for feature, (key, of) in FURTHER.items() if feature in held},
+        **{key: of(s, at) for feature, (key, of) in FURTHER.items() if feature in present},
     }
 
 

@@ -153,7 +153,7 @@ def orders(visits: tuple[int, ...], sites: Sequence[int]) -> Iterator[tuple[int,
 
 
 class _Times:
-    """Times that the stops before and after each place allow; arrays with one entry a stop, start and end among them.
+    """Times that the stops before and after each place allow; arrays with one entry per stop, start and end among them.
 
     ``latest`` arrival, ``rest`` of the way to the end without waiting, and the finish ``after`` a stop that is reached however early.
     """

@@ -210,7 +210,7 @@ class Objective(Composable):
 
     @classmethod
     def named(cls, names: tuple[str, ...]) -> Objective:
-        """An objective from one text a level, first priority first: the name of a term, or a weighted sum (``reward - 0.5*makespan``).
+        """An objective from one text per level, first priority first: the name of a term, or a weighted sum (``reward - 0.5*makespan``).
 
         Parameters
         ----------
@@ -355,6 +355,6 @@ def optional(sites: Sites) -> NDArray[np.bool_]:
 
 
 def pointless(sites: Sites) -> int:
-    """Number of sites that may be left out, where nothing tells what a visit to any of them is worth."""
+    """Number of optional sites if none of them has a reward or a penalty, so that visits gain nothing; else 0."""
     free = optional(sites)
     return 0 if sites.reward[free].any() or sites.penalty[free].any() else int(free.sum())

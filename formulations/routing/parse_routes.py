@@ -1,4 +1,4 @@
-"""Routes from what people write: lists of sites, one list a vehicle, or a table of visits with its times."""
+"""Routes from what people write: lists of sites, one list per vehicle, or a table of visits with its times."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ are a nanosecond short."""
 def stated_times(clock: Clock | None, columns: Mapping[str, Sequence[Any]]) -> tuple[list[Moments], float]:
     """Rows of arrival, begin and departure, in units of the data, and what their last digit counts; no rows where nothing is stated.
 
-    ``columns`` has one value a visit by the titles ``arrival, begin, departure``; None, NaN, NaT or an empty text where nothing is
+    ``columns`` has one value per visit by the titles ``arrival, begin, departure``; None, NaN, NaT or an empty text where nothing is
     stated. Raises UsageError for a value that is no time, or a moment where times have no origin.
     """
     numbers: list[float] = []
@@ -141,7 +141,7 @@ def routes_given(problem: RoutingProblem, given: Any) -> Routes:
     """``Routes``, or what says clearly which.
 
     A list of routes, each a ``Route`` or a list of site indices or ids, with or without the depot at its ends; such a list, or several,
-    by the name of each vehicle or of its type; or a frame with the columns ``vehicle`` and ``site``, one row a visit, whose times
+    by the name of each vehicle or of its type; or a frame with the columns ``vehicle`` and ``site``, one row per visit, whose times
     ``arrival, begin, departure`` are stated with the routes (``timetable``) unless they are those of the judge. Raises UsageError for
     anything else, and for lists that do not say which of several vehicle types drives.
     """

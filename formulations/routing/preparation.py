@@ -302,7 +302,7 @@ def limited_resources(
 
 
 def _on_arcs(r: Resource, allowed: Flags, ready: Floats, usable: Flags) -> Resource:
-    """The resource with one weight an arc, and finite ranges everywhere."""
+    """The resource with one weight per arc, and finite ranges everywhere."""
     idle = ready if r.name == "time" else np.zeros(len(ready))
     lower = np.where(usable & np.isfinite(r.lower), r.lower, idle)
     upper = np.where(usable & np.isfinite(r.upper), r.upper, idle)

@@ -39,7 +39,7 @@ class Astray(NamedTuple):
 class Timetable:
     """The stated times of one route; None where none are stated.
 
-    ``arrival``, ``begin`` and ``ends`` have one entry a stop between start and end: when it is reached, when service begins there, and
+    ``arrival``, ``begin`` and ``ends`` have one entry per stop between start and end: when it is reached, when service begins there, and
     when the vehicle leaves it; ``departure`` is from the start, ``finish`` the return. Each time may be off by half of what its last
     ``digit`` counts.
     """

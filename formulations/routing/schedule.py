@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 class Schedule:
     """The one schedule by which a route's limits and the objective are judged, and which every output shows.
 
-    Arrays have one entry a stop between start and end, ``leaves`` and ``closing`` one a move: when it begins, and when it must have
+    Arrays have one entry per stop between start and end, ``leaves`` and ``closing`` one a move: when it begins, and when it must have
     begun. ``charged`` holds the time charged under each of the four ways, before it is multiplied by the rate of the store, ``stretches``
     the time on the move between recharging stops. ``load`` adds up the demands, of the first load dimension; ``on_board`` of shape (load
     dimensions, stops + 1) is the load on leaving start and stops. ``variance`` is that of the time on the move, ``astray`` what a stated

@@ -193,7 +193,7 @@ def restricted(problem: RoutingProblem, decisions: Sequence[Decision]) -> Routin
 
 
 def _limited(problem: RoutingProblem, fleet: tuple[VehicleType, ...], term: str, most: float) -> tuple[VehicleType, ...]:
-    """Vehicles none of which drives a route of more than ``most``; a longest duration stays as it is where a risk hangs on it."""
+    """The vehicle types with routes of at most ``most``; a longest duration to which a risk applies is kept."""
     if term == LatestReturn.name:
         return tuple(replace(v, shift=(v.shift[0], max(v.shift[0], min(v.shift[1], most)))) for v in fleet)
     if term == LongestRoute.name:

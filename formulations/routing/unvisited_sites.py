@@ -217,7 +217,7 @@ def _by(name: str, amount: float) -> str:
 
 
 class _Tally:
-    """Excess and changes at all places that were looked at, one entry a site."""
+    """Excess and changes at all places that were looked at, one entry per site."""
 
     def __init__(self, sites: int, levels: int) -> None:
         self.tried = np.zeros(sites)

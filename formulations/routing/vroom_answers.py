@@ -95,7 +95,7 @@ _TASK = re.compile(r"(?:(?:pickup|delivery) )?[0-9]{1,18}")
 
 
 def _numbers(problem: RoutingProblem, kind: int) -> list[int]:
-    """Numbers of the vehicles of a type, from its name."""
+    """The ids of the vehicles of a type, from its name."""
     match = _NUMBERS.match(problem.fleet[kind].name)
     return [int(each) for each in match[1].split()] if match else []
 

@@ -30,7 +30,7 @@ Floats = NDArray[np.float64]
 
 
 class BottleneckSATA(DecidedElements):
-    """Maximise the least, over targets, of the summed weights of the chosen actions that see it; at most one action a robot.
+    """Maximise the least, over targets, of the summed weights of the chosen actions that see it; at most one action per robot.
 
     Parameters
     ----------
@@ -196,7 +196,7 @@ class BottleneckSATA(DecidedElements):
         return self._shares(given) if self.fractional else selection_of(given, lambda: action_index(self.graph), "action")
 
     def answer_to_frame(self, answer: Any) -> pd.DataFrame:
-        """One row an action that is used: robot, action, share, targets it sees."""
+        """One row per action that is used: robot, action, share, targets it sees."""
         import pandas as pd
 
         g = self.graph

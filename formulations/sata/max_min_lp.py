@@ -174,7 +174,7 @@ class MaxMinLP(Problem):
         return self._vector(given)
 
     def answer_to_frame(self, answer: Any) -> pd.DataFrame:
-        """One row a variable that is not 0: variable, value."""
+        """One row per variable that is not 0: variable, value."""
         import pandas as pd
 
         x = np.asarray(answer, dtype=np.float64)
@@ -236,7 +236,7 @@ def as_sensing(problem: MaxMinLP) -> tuple[SensingGraph, Floats]:
     """Packing rows as robots, variables as actions, covering rows as targets; of a maximum.
 
     With ``x'_v = a_v x_v``, where a_v is the coefficient of v in its packing row, rows read ``sum x' <= 1`` and the weight of v for a
-    target is ``c_v / a_v``: values are the same. Returns the graph, with one action a variable in their order, and the scale of shape
+    target is ``c_v / a_v``: values are the same. Returns the graph, with one action per variable in their order, and the scale of shape
     (variables,) with ``x = x' / scale``, infinite for variables that cover nothing, which makes them 0. Raises UnsupportedError where a
     variable that covers stands in several packing rows, the sense is ``min``, or a quotient overflows or vanishes.
 

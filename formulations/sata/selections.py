@@ -113,7 +113,7 @@ def actions_to_json(graph: SensingGraph, answer: Selection) -> list[dict[str, st
 
 
 def action_index(graph: SensingGraph) -> dict[str, int]:
-    """Number of each action by its name."""
+    """The index of each action by its name."""
     return {name: a for a, name in enumerate(graph.action_labels)}
 
 

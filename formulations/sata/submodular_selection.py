@@ -150,7 +150,7 @@ class SubmodularSelection(DecidedElements):
         return selection_of(given, lambda: {self.element_name(e): e for e in range(self.num_elements)}, "element")
 
     def answer_to_frame(self, answer: Selection) -> pd.DataFrame:
-        """One row an element, as the answer lists them: element, gain, value after it."""
+        """One row per element, as the answer lists them: element, gain, value after it."""
         import pandas as pd
 
         gains = self.gains(answer.elements)
@@ -163,7 +163,7 @@ class SubmodularSelection(DecidedElements):
 def from_sensing(graph: SensingGraph, settings: dict[str, Any]) -> SubmodularSelection:
     """The selection of actions of a sensing graph.
 
-    Settings: ``function`` (``facility-location`` or ``coverage`` of targets), ``constraint`` (``partition``: one action a robot, or
+    Settings: ``function`` (``facility-location`` or ``coverage`` of targets), ``constraint`` (``partition``: one action per robot, or
     ``cardinality`` with ``k``).
     """
     refuse_settings("selection", settings, ("function", "constraint", "k"))

@@ -144,7 +144,7 @@ class WinnerTakesAllSATA(SubmodularSelection):
         return Selection(chosen.elements, tuple(credit))
 
     def answer_to_frame(self, answer: Selection) -> pd.DataFrame:
-        """One row a target: target, robot, action, weight; empty names where nobody sees it."""
+        """One row per target: target, robot, action, weight; empty names where nobody sees it."""
         import pandas as pd
 
         g = self.graph

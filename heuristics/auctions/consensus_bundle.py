@@ -44,7 +44,7 @@ def consensus_bundle(problem: TaskAllocation, context: Context, *, communication
     if stop.reached():
         return Outcome(completed(problem, _once(paths)), statistics=statistics, message=CUT_SHORT, limit=stop.reached())
     spare = problem.num_tasks - len({task for path in paths for task in path})
-    message = "" if agreement.agreed else "the robots did not agree; who comes first keeps a task"
+    message = "" if agreement.agreed else "the robots did not agree; the first of them keeps a contested task"
     if spare:
         message = "; ".join(
             part for part in (message, f"{spare} tasks that nobody had room for were inserted where they add least") if part
@@ -57,12 +57,12 @@ def graph_of(communication: str, robots: int) -> NDArray[np.bool_]:
     number = np.arange(robots)
     apart = np.abs(number[:, None] - number)
     if communication == "complete":
-        heard = apart > 0
+        connected = apart > 0
     elif communication == "star":
-        heard = (apart > 0) & ((number[:, None] == 0) | (number == 0))
+        connected = (apart > 0) & ((number[:, None] == 0) | (number == 0))
     else:
-        heard = (apart == 1) | ((apart == robots - 1) & (robots > 1) & (communication == "ring"))
-    return np.asarray(heard)
+        connected = (apart == 1) | ((apart == robots - 1) & (robots > 1) & (communication == "ring"))
+    return np.asarray(connected)
 
 
 def _agree(problem: TaskAllocation, communication: str, most: int | None, stop: Stop) -> Consensus:

@@ -49,7 +49,7 @@ def fixed_order_auction(problem: TaskAllocation, context: Context, *, order: Seq
 
 
 def _order(problem: TaskAllocation, asked: Any) -> NDArray[np.int64]:
-    """The numbers of all tasks in the order that is asked for."""
+    """The indices of all tasks in the order that is asked for."""
     tasks = problem.num_tasks
     if asked is None:
         return np.arange(tasks)

@@ -136,7 +136,7 @@ def exact_for(problem: RiskyPath, steps: int) -> tuple[str, ...]:
 def run(problem: RiskyPath, context: Context, *, steps: int = 2) -> Outcome:
     """The least risky of the labels at a goal.
 
-    ``steps`` is the number of states that a label tells apart, from 1 (Dijkstra's algorithm, one label a state) to 8; 2 is the source's
+    ``steps`` is the number of states that a label tells apart, from 1 (Dijkstra's algorithm, one label per state) to 8; 2 is the source's
     planner. The path is least risky, and guaranteed to be, where no element is of category traverse (with 1 step: nor action) and the walk
     comes to no state twice. Where it does, it is the walk without its loops, or what a search reaches that refuses loops.
     """

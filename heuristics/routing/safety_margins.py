@@ -91,7 +91,7 @@ def safety_margins(
     rounds : int, >= 1
         Searches at most; the first one leaves the risk out, and is the last where its answer keeps it.
     splits : int, >= 0
-        Searches after these, each with a vehicle a route, and with the risk split anew; they end where one gains nothing.
+        Searches after these, each with a vehicle per route, and with the risk split anew; they end where one gains nothing.
     steps : int, >= 1
         The engine's iterations in each, where it counts any.
     engine : str
@@ -293,7 +293,7 @@ class Split:
 
 
 def split(problem: RoutingProblem, answer: Routes) -> Split | None:
-    """One vehicle a route of ``answer``, which keeps all limits, and one more of each type that has any left.
+    """One vehicle per route of ``answer``, which keeps all limits, and one more of each type that has any left.
 
     Of a risk of the team each route keeps what it has, and all vehicles get equal parts of the rest of ``-log(1 - team_risk)``. Margins are
     exact for routes of the variance that they are made for, so that the answer is feasible still, and no better one is lost to them that

@@ -49,7 +49,7 @@ STRIP = 1 << 22
     opens=lambda problem: problem.family == "routing" and problem.size > SLOW_TO_BEGIN,
 )  # fmt: skip
 def savings(problem: RoutingProblem, context: Context, *, shape: float = 1.0) -> Outcome:
-    """Start with one route a customer, and join route ends in order of the cost they save.
+    """Start with one route per customer, and join route ends in order of the cost they save.
 
     Takes one depot and one vehicle type, every site required. May use more vehicles than the fleet has, since joins are never taken back.
     Cut short, it has joined fewer routes.

@@ -76,10 +76,10 @@ def _bottleneck(problem: BottleneckSATA, context: Context) -> Outcome:
 
     g, stop = problem.graph, context.begin()
     starts, actions = g.by_robot
-    picks, asked = best_worst_target(stop.flag, starts, actions, g.indptr, g.indices, g.weights, g.num_targets)
+    picks, evaluations = best_worst_target(stop.flag, starts, actions, g.indptr, g.indices, g.weights, g.num_targets)
     chosen = picks[picks >= 0].tolist()
     answer = Selection(tuple(chosen))
-    if asked < g.num_robots:
-        message = f"{asked:,} of {g.num_robots:,} robots chose: {CUT_SHORT}"
-        return Outcome(answer, statistics={"robots_asked": int(asked)}, message=message, limit=stop.reached() or "time")
+    if evaluations < g.num_robots:
+        message = f"{evaluations:,} of {g.num_robots:,} robots chose: {CUT_SHORT}"
+        return Outcome(answer, statistics={"robots_asked": int(evaluations)}, message=message, limit=stop.reached() or "time")
     return Outcome(answer, statistics={"evaluations": g.num_actions})

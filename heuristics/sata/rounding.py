@@ -62,7 +62,7 @@ def largest_shares(graph: SensingGraph, shares: Floats, ties: str = "last", rng:
 
 
 def _turns(count: int, ties: str, rng: np.random.Generator | None) -> NDArray[np.int64]:
-    """Numbers by which equal shares are ordered."""
+    """Keys that break ties between equal shares, by the rule ``ties``."""
     check_ties(ties)
     if ties != "random":
         return np.arange(count) if ties == "first" else -np.arange(count)

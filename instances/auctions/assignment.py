@@ -27,7 +27,7 @@ PROBLEMS = ("bin-assignment", "bottleneck-assignment")
 """Problems that such data allow; the first is the default."""
 
 PAIR_KEYS = ("robot", "bin", "cost")
-"""Lists of JSON, one entry a pair."""
+"""Lists of JSON, one entry per pair."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -90,7 +90,7 @@ class AssignmentInstance(Declared):
 
     @classmethod
     def from_matrix(cls, costs: Any, **further: Any) -> AssignmentInstance:
-        """An instance from a matrix, one row a robot and one column a bin.
+        """An instance from a matrix, one row per robot and one column per bin.
 
         Parameters
         ----------
@@ -139,7 +139,7 @@ class AssignmentInstance(Declared):
     def from_pairs(
         cls, num_robots: int, num_bins: int, robots: ArrayLike, bins: ArrayLike, costs: ArrayLike, **further: Any
     ) -> AssignmentInstance:
-        """An instance from lists of one entry a pair, in any order, robots and bins as numbers from 0.
+        """An instance from lists of one entry per pair, in any order, robots and bins as numbers from 0.
 
         Parameters
         ----------
@@ -172,7 +172,7 @@ class AssignmentInstance(Declared):
 
     @classmethod
     def from_frame(cls, costs: pd.DataFrame, **further: Any) -> AssignmentInstance:
-        """An instance from a pandas frame: one row a pair, or one row a robot and one column a bin.
+        """An instance from a pandas frame: one row per pair, or one row per robot and one column per bin.
 
         Parameters
         ----------
@@ -286,7 +286,7 @@ class AssignmentInstance(Declared):
         return np.zeros(0) if self.filled is None else self.filled
 
     def to_frame(self) -> pd.DataFrame:
-        """One row a pair: robot, bin, cost."""
+        """One row per pair: robot, bin, cost."""
         import pandas as pd
 
         names = [self.robot_name(k) for k in self.robots.tolist()], [self.bin_name(k) for k in self.bins.tolist()]

@@ -1,4 +1,4 @@
-"""Costs of robots and bins out of pandas frames: one row a pair, or a matrix."""
+"""Costs of robots and bins out of pandas frames: one row per pair, or a matrix."""
 
 from __future__ import annotations
 
@@ -37,9 +37,9 @@ def arguments_of(frame: pd.DataFrame) -> tuple[bool, dict[str, Any]]:
     """True for a table of pairs, False for a matrix, with the arguments of ``from_pairs`` or ``from_matrix``."""
     if not hasattr(frame, "columns") or not hasattr(frame, "iloc"):
         raise InputError("costs must be a pandas frame", found=type(frame).__name__)
-    held = [_title(name) for name in frame.index.names if name is not None]
+    index_names = [_title(name) for name in frame.index.names if name is not None]
     titles = [_title(title) for title in frame.columns]
-    if set(held) & {"robot", "bin"} and _of_pairs([*held, *titles]):
+    if set(index_names) & {"robot", "bin"} and _of_pairs([*index_names, *titles]):
         frame = frame.reset_index()
         titles = [_title(title) for title in frame.columns]
     return (True, _pairs(frame, titles)) if _of_pairs(titles) else (False, _matrix(frame, titles))
@@ -130,7 +130,7 @@ def _number(value: Any, row: int, title: str, expected: str) -> float:
 
 
 def _told(title: str, column: Any, owner: NDArray[np.int64], names: tuple[str, ...]) -> Floats:
-    """One number a robot or bin, out of all its rows."""
+    """One number per robot or bin, out of all its rows."""
     values = _numbers(title, column)
     numbers, row = np.full(len(names), np.nan), np.zeros(len(names), dtype=np.int64)
     for k in np.nonzero(owner >= 0)[0][::-1]:  # the first row of each stands last

@@ -132,7 +132,7 @@ def entropy(distribution: ArrayLike) -> Floats:
 def mutual_information(states: ArrayLike, readings: ArrayLike) -> Floats:
     """Expected fall of the entropy of a state by one reading, in nats, at least 0; shape (...) of ``states``, shape (..., states).
 
-    ``readings`` has one row a state.
+    ``readings`` has one row per state.
     """
     p, table = np.asarray(states, dtype=np.float64), np.asarray(readings, dtype=np.float64)
     return np.maximum(entropy(p @ table) - p @ entropy(table), 0.0)

@@ -29,7 +29,7 @@ MOST_STEPS = 1000
 
 
 class Gains(Numbers):
-    """Numbers of which none is larger than the one before it in its row."""
+    """Arrays whose rows never increase."""
 
     def refuse(self, key: str, value: Floats, instance: Declared) -> None:
         rising = np.diff(value, axis=1, prepend=LARGEST) > 0
@@ -130,8 +130,8 @@ class ExplorationMap(Declared):
                 f"no doors lead from a robot to {len(alone)} of the {self.num_rooms} rooms: {names}", "contradiction",
                 expected="doors to every room",
             )  # fmt: skip
-        heard = np.nonzero(_reached(self.linked, np.array([self.base])))[0]
-        lost = np.nonzero(~_reached(doors, heard)[self.starts])[0]
+        reached = np.nonzero(_reached(self.linked, np.array([self.base])))[0]
+        lost = np.nonzero(~_reached(doors, reached)[self.starts])[0]
         if len(lost):
             raise InputError(
                 f"robot {lost[0] + 1} can enter no room from which links lead to the base", "contradiction", expected="doors or links to it"

@@ -82,7 +82,7 @@ class GeneralisedAssignmentInstance(Declared):
         Parameters
         ----------
         pairs : DataFrame
-            One row a pair with the columns agent, job, consumption and cost or profit; missing pairs are forbidden.
+            One row per pair with the columns agent, job, consumption and cost or profit; missing pairs are forbidden.
         capacity : Series or mapping
             The capacity of each agent.
         objective, **further
@@ -104,7 +104,7 @@ class GeneralisedAssignmentInstance(Declared):
         cls, agents: tuple[str, ...], jobs: tuple[str, ...], agent: Any, job: Any, values: Floats, consumption: Floats, capacity: ArrayLike,
         objective: str = OBJECTIVES[0], **further: Any,
     ) -> GeneralisedAssignmentInstance:  # fmt: skip
-        """An instance from lists of one entry a pair, by name, in any order; what is not listed is forbidden.
+        """An instance from lists of one entry per pair, by name, in any order; what is not listed is forbidden.
 
         Parameters
         ----------

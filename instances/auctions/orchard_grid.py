@@ -80,7 +80,7 @@ class OrchardGrid:
         return np.asarray(-(-self.distances // self.full_speed))
 
     def cell(self, row: int, column: int) -> int:
-        """The number of a cell."""
+        """The index of a cell."""
         if not (0 <= row < self.rows and 0 <= column < self.columns):
             raise InputError(
                 f"cell ({row}, {column}) lies outside", "out-of-range", expected=f"rows to {self.rows - 1}, columns to {self.columns - 1}"
@@ -88,7 +88,7 @@ class OrchardGrid:
         return row * self.columns + column
 
     def cells(self, places: ArrayLike) -> Integers:
-        """Numbers of cells from an array of (row, column)."""
+        """The indices of cells, given as an array of (row, column)."""
         return np.array([self.cell(int(row), int(column)) for row, column in np.asarray(places).reshape(-1, 2)], dtype=np.int64)
 
     def name(self, cell: int) -> str:

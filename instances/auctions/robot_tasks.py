@@ -119,8 +119,8 @@ class RobotTasks(Declared):
         first, second = _table("distances from the robots", starts), _table("distances between the tasks", between)
         tasks = second.shape[1]
         if second.shape[0] != tasks or first.shape[1] != tasks:
-            found = f"{first.shape} and {second.shape}"
-            raise InputError("distances must be of shapes (robots, tasks) and (tasks, tasks)", "wrong-shape", found=found)
+            shapes = f"{first.shape} and {second.shape}"
+            raise InputError("distances must be of shapes (robots, tasks) and (tasks, tasks)", "wrong-shape", found=shapes)
         return cls(len(first), tasks, "matrix", matrix=np.vstack([first, second]), **further)
 
     @classmethod

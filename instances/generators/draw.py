@@ -30,7 +30,7 @@ class Draw:
         self._rng = rng
 
     def uniform(self, low: float, high: float, size: int | tuple[int, ...]) -> Floats:
-        """Numbers of [low, high)."""
+        """Random numbers, uniform on [low, high)."""
         return low + (high - low) * self._rng.random(size)
 
     def integers(self, low: int, high: int, size: int | tuple[int, ...]) -> Integers:
@@ -38,7 +38,7 @@ class Draw:
         return low + np.floor((high - low + 1) * self._rng.random(size)).astype(np.int64)
 
     def integer(self, low: int, high: int) -> int:
-        """One whole number of [low, high]."""
+        """A random whole number, uniform on low, ..., high."""
         return int(self.integers(low, high, 1)[0])
 
     def normal(self, mean: float, deviation: float, size: int) -> Floats:
@@ -47,7 +47,7 @@ class Draw:
         return np.asarray(mean + deviation * np.sqrt(-2.0 * np.log1p(-u[0])) * np.cos(2.0 * math.pi * u[1]))
 
     def triangular(self, low: float, mode: float, high: float) -> float:
-        """One number of the triangular distribution, by its inverse."""
+        """A random number of the triangular distribution, by inversion."""
         u = float(self._rng.random())
         if u < (mode - low) / (high - low):
             return low + math.sqrt(u * (high - low) * (mode - low))

@@ -14,7 +14,7 @@ from ..errors import InputError
 Floats = NDArray[np.float64]
 
 SEMIDEFINITE = 1e-9
-"""Part of its largest eigenvalue by which the least one of a covariance may lie below 0: rounding of whoever made it."""
+"""Part of its largest eigenvalue by which the least one of a covariance may lie below 0, as rounding makes it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -105,8 +105,8 @@ class Quantities:
         for key in ("map", "offset", "covariance"):
             object.__setattr__(self, key, arrays.reals(f"quantities: {key}", getattr(self, key)))
         if self.map.ndim != 2 or len(self.map) != q or self.offset.shape != (q,):
-            found = f"{self.map.shape} and {self.offset.shape}"
-            raise InputError("quantities: map and offset have one row each quantity", "wrong-shape", expected=str(q), found=found)
+            shapes = f"{self.map.shape} and {self.offset.shape}"
+            raise InputError("quantities: map and offset have one row each quantity", "wrong-shape", expected=str(q), found=shapes)
         if not all(np.isfinite(part).all() for part in (self.map, self.offset, self.covariance)):
             raise InputError("quantities: map, offset and covariance must be finite", "out-of-range")
         if self.covariance.shape != (q, q):

@@ -238,7 +238,7 @@ class RiskyGraph(Declared):
 
 
 def named_states(names: Sequence[str], chosen: Iterable[str], what: str) -> tuple[int, ...]:
-    """Numbers of states by name; raises InputError for one that does not exist."""
+    """The indices of states by name; raises InputError for one that does not exist."""
     index: Mapping[str, int] = {name: k for k, name in enumerate(names)}
     states = []
     for name in chosen:

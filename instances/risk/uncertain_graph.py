@@ -138,7 +138,7 @@ class UncertainGraph(Declared):
         Parameters
         ----------
         edges : DataFrame
-            Columns ``from``, ``to``, ``mean``, ``variance`` and optionally ``least``; one row an edge.
+            Columns ``from``, ``to``, ``mean``, ``variance`` and optionally ``least``; one row per edge.
         start, goal : str or int
             Vertices where paths begin and end.
         undirected : bool
@@ -194,7 +194,7 @@ class UncertainGraph(Declared):
         )  # fmt: skip
 
     def to_frame(self) -> pd.DataFrame:
-        """One row an edge: from, to, mean, variance, and least where it is given."""
+        """One row per edge: from, to, mean, variance, and least where it is given."""
         import pandas as pd
 
         names = np.array([self.vertex_name(v) for v in range(self.num_vertices)], dtype=object)
@@ -298,12 +298,12 @@ class UncertainGraph(Declared):
         return bool((back >= 0).all() and (self.variable[back] == self.variable).all() and (counts == 2).all())
 
     def edges_of(self, path: Iterable[int]) -> NDArray[np.int64]:
-        """Numbers of the edges between consecutive vertices, -1 where there is none."""
+        """The indices of the edges between consecutive vertices, -1 where there is none."""
         vertices = np.fromiter(path, dtype=np.int64)
         return self.edges_of_pairs(vertices[:-1], vertices[1:])
 
     def edges_of_pairs(self, tails: NDArray[np.integer[Any]], heads: NDArray[np.integer[Any]]) -> NDArray[np.int64]:
-        """Numbers of the edges from each of ``tails`` to each of ``heads``, -1 where there is none."""
+        """The index of the edge from each of ``tails`` to the same entry of ``heads``, -1 where there is none."""
         n = self.num_vertices
         known = (tails >= 0) & (tails < n) & (heads >= 0) & (heads < n)
         keys = np.where(known, tails * np.int64(n) + heads, -1)

@@ -74,14 +74,14 @@ class Arms:
         return next(layer for layer in self.layers if arm < layer.arms.stop)
 
     def cells(self, arm: int) -> NDArray[np.intp]:
-        """Numbers of the cells in the footprint of an arm."""
+        """The indices of the cells in the footprint of an arm."""
         layer = self.layer(arm)
         return np.asarray(layer.cells[arm - layer.first])
 
     def sums(self, values: Floats) -> Floats:
-        """Sums of a value a cell over each footprint; shape (arms,)."""
+        """Sums of a value per cell over each footprint; shape (arms,)."""
         return np.concatenate([values[layer.cells].sum(axis=1) for layer in self.layers])
 
     def means(self, values: Floats) -> Floats:
-        """Means of a value a cell over each footprint; shape (arms,)."""
+        """Means of a value per cell over each footprint; shape (arms,)."""
         return np.concatenate([values[layer.cells].mean(axis=1) for layer in self.layers])

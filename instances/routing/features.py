@@ -124,6 +124,6 @@ def features(data: Data) -> frozenset[str]:
 
 def restrictions(data: Data) -> frozenset[str]:
     """Features that a solver must be able to express: a capacity only where there are loads, a risk only where durations are uncertain."""
-    held = features(data)
-    idle = (frozenset() if held & LOADS else {"capacity"}) | (frozenset() if "uncertain-durations" in held else RISKS)
-    return held - UNASKED - idle
+    present = features(data)
+    idle = (frozenset() if present & LOADS else {"capacity"}) | (frozenset() if "uncertain-durations" in present else RISKS)
+    return present - UNASKED - idle

@@ -26,8 +26,8 @@ def problems_of(data: Data) -> tuple[str, ...]:
     one vehicle that is not limited at all. ``min-cost-vrp`` always. Stations make it a ``recharging-vrp`` in the first place; shipments may
     be asked for fewest vehicles (``pdptw``), a limited fleet for a short makespan, optional sites with rewards for the best choice of them.
     """
-    held = features(data)
-    return (*(["recharging-vrp"] if "recharging" in held else []), *_plain(data, held), *_other(data, held))
+    present = features(data)
+    return (*(["recharging-vrp"] if "recharging" in present else []), *_plain(data, present), *_other(data, present))
 
 
 def _plain(data: Data, held: frozenset[str]) -> tuple[str, ...]:

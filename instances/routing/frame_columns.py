@@ -52,7 +52,7 @@ class Columns:
         return self.frame[self.titles[title]]
 
     def without(self, title: str) -> Columns:
-        """The same columns, of which one more is kept and not used."""
+        """A copy in which one more column is kept and not used."""
         others = {own: theirs for own, theirs in self.titles.items() if own != title}
         return Columns(self.frame, others, (*self.extra, self.titles[title]), self.ids)
 

@@ -1,4 +1,4 @@
-"""Vehicle types from a frame, one row a type, or from mappings with the keys of waybound's JSON."""
+"""Vehicle types from a frame, one row per type, or from mappings with the keys of waybound's JSON."""
 
 from __future__ import annotations
 
@@ -35,9 +35,9 @@ MEANT = {"start": "the first depot", "end": "a return to the start"}
 
 
 def fleet_of(fleet: Any, sites: Sites, times: Times) -> tuple[VehicleType, ...]:
-    """Vehicle types of a frame, one row a type, or of a list of mappings and ``VehicleType``.
+    """Vehicle types of a frame, one row per type, or of a list of mappings and ``VehicleType``.
 
-    A frame without ``count`` has one vehicle a row, ``inf`` or ``unlimited`` stands for any number; ``shift_start, shift_end`` and
+    A frame without ``count`` has one vehicle per row, ``inf`` or ``unlimited`` stands for any number; ``shift_start, shift_end`` and
     ``capacity2, ...`` stand for lists. ``times`` reads ``max_duration, regular_duration`` and shifts.
     """
     framed = hasattr(fleet, "columns")

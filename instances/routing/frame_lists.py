@@ -1,4 +1,4 @@
-"""Time windows, shipments and groups as users give them: lists and mappings, or frames with one row a window, a shipment, a member."""
+"""Time windows, shipments and groups as users give them: lists and mappings, or frames with one row per window, a shipment, a member."""
 
 from __future__ import annotations
 

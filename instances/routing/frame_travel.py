@@ -60,7 +60,7 @@ def moves_of(travel: Any, durations: Any, sites: Ids, nodes: Ids, times: Times, 
     elif is_list(travel, sites):
         distance, own, notes = listed_moves(travel, sites, times)
         if own is not None and durations is not None:
-            raise InputError("durations are told twice", "duplicate", expected="durations, or the column duration of the moves")
+            raise InputError("durations are given twice", "duplicate", expected="durations, or the column duration of the moves")
     else:
         distance = matrix_of(travel, sites, "distance", None)
     own = own if durations is None else matrix_of(durations, sites, "duration", times)
@@ -205,7 +205,7 @@ def _shortest_paths(graph: Any, ids: Ids, what: str) -> Floats:
 
 
 def is_list(travel: Any, ids: Ids) -> bool:
-    """True if it is a frame of moves: its titles tell both ends of one, in our words or those of others, and are no sites."""
+    """Whether a frame lists moves: it has columns for both ends of one, by our titles or common others, and these name no sites."""
     if not hasattr(travel, "columns"):
         return False
     titles = [str(title) for title in travel.columns]

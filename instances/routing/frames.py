@@ -167,7 +167,7 @@ def _need_units(arguments: FrameArguments, sites: Sites, moves: Moves | str, fle
     own = "speed" in getattr(fleet, "columns", ()) or any(isinstance(row, Mapping) and "speed" in row for row in rows)
     speed = arguments.speed
     if own and speed is not None:
-        message = "speeds are told twice"
+        message = "speeds are given twice"
         raise InputError(message, "duplicate", expected="speed, or the column speed of the fleet", found=f"speed={speed:g} and a column")
     if speed is None and not own:
         raise InputError("distances on the globe are lengths, and there are times of sites or vehicles beside them", "missing",
@@ -196,7 +196,7 @@ def _speed(speed: float, travel: Travel, times: Times) -> float:
 
 
 def _equal(arguments: FrameArguments, sites: Sites, times: Times) -> tuple[VehicleType, ...]:
-    """Vehicles that are all alike, one type a depot."""
+    """Vehicles that are all alike, one type per depot."""
     longest = times.span(arguments.max_duration, "max_duration")
     count = None if arguments.vehicles is None else whole_of(arguments.vehicles, "the number of vehicles")
     capacity, *further = loads_of(arguments.capacity, "capacity")
@@ -214,7 +214,7 @@ def _need_capacities(sites: Sites, kinds: tuple[VehicleType, ...], fleet: Any) -
         return
     each = ", ".join([f"{limited.capacity:g}", *("inf" for _ in range(sites.dimensions - 1))])
     expected = "a column capacity2, ..., inf for no limit" if hasattr(fleet, "columns") else f"capacity=[{each}], with inf for no limit"
-    raise InputError(f"sites have {sites.dimensions} loads, and capacity is told of the first alone", "missing", expected=expected)
+    raise InputError(f"sites have {sites.dimensions} loads, and capacity is given for the first alone", "missing", expected=expected)
 
 
 def _closing(values: Any, ids: tuple[str, ...], times: Times) -> Floats:

@@ -123,14 +123,14 @@ def _forbidden(data: Any, index: dict[str, int]) -> NDArray[np.bool_]:
 
 
 def _clock(data: Any) -> Clock:
-    held = fields(data, "clock", ("unit", "origin", "of-day"), ("unit",))
-    if not isinstance(held.get("of-day", False), bool):
-        raise InputError("clock.of-day must be true or false", found=repr(held["of-day"])[:40])
+    entries = fields(data, "clock", ("unit", "origin", "of-day"), ("unit",))
+    if not isinstance(entries.get("of-day", False), bool):
+        raise InputError("clock.of-day must be true or false", found=repr(entries["of-day"])[:40])
     try:
         return Clock(
-            string(held["unit"], "clock.unit"),
-            string(held["origin"], "clock.origin") if "origin" in held else "",
-            held.get("of-day", False),
+            string(entries["unit"], "clock.unit"),
+            string(entries["origin"], "clock.origin") if "origin" in entries else "",
+            entries.get("of-day", False),
         )
     except UsageError as error:
         raise InputError(f"clock.unit: {error}", error.code) from None
@@ -194,7 +194,7 @@ def _decode_sites(data: Any) -> Sites:
 
 
 def _loads(data: Any, path: str, n: int) -> Any:
-    """One number a site, or one list of numbers a site with several load dimensions."""
+    """One number per site, or one list per site if there are several load dimensions."""
     rows = array(data, path, n)
     if not any(isinstance(row, list) for row in rows):
         return reals(rows, path, n)

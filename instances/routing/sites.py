@@ -19,7 +19,7 @@ Flags = NDArray[np.bool_]
 Window = tuple[float, float]
 
 COLUMNS = ("depot", "demand", "ready", "due", "service", "reward", "required", "penalty", "pickup", "further_demand", "further_pickup")
-"""Arrays of ``Sites`` with one entry a site."""
+"""Arrays of ``Sites`` with one entry per site."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +68,7 @@ class Group:
 
 @dataclass(frozen=True, eq=False)
 class Sites:
-    """Places to visit or to start from, one entry a site in the file's order.
+    """Places to visit or to start from, one entry per site in the file's order.
 
     Parameters
     ----------
@@ -96,16 +96,16 @@ class Sites:
     coordinates : array of shape (sites, 2), optional
         For maps; distances belong to ``Travel``.
     windows : tuple, optional
-        Empty, or one entry a site: empty, or several windows [ready, due] in order, apart from each other. ``ready`` and ``due``
+        Empty, or one entry per site: empty, or several windows [ready, due] in order, apart from each other. ``ready`` and ``due``
         hold the first opening and the last close.
     skills : tuple of frozenset of str, optional
-        Empty, or one entry a site: what a vehicle must be able to do in order to serve it.
+        Empty, or one entry per site: what a vehicle must be able to do in order to serve it.
     shipments : tuple of Shipment
         Loads to be fetched at one site and brought to another by the same vehicle.
     groups : tuple of Group
         Alternatives, of which at most one is visited.
     attributes : mapping from title to tuple, optional
-        Whatever else is known of the sites, one entry a site: shown in tables and maps, kept in files, and never computed with.
+        Whatever else is known of the sites, one entry per site: shown in tables and maps, kept in files, and never computed with.
     geographic : bool
         Whether coordinates are longitude and latitude in decimal degrees.
 

@@ -36,9 +36,9 @@ class Fire:
 
     def __post_init__(self) -> None:
         if self.arrival.ndim != 2 or self.arrival.shape != self.intensity.shape or min(self.arrival.shape) < 2:
-            found = f"{self.arrival.shape} and {self.intensity.shape}"
+            shapes = f"{self.arrival.shape} and {self.intensity.shape}"
             raise InputError(
-                "arrival times and intensities are no two rasters alike", "malformed", expected="two of rows x columns", found=found
+                "arrival times and intensities are no two rasters alike", "malformed", expected="two of rows x columns", found=shapes
             )
         if np.isnan(self.arrival).any() or not (np.isfinite(self.intensity) & (self.intensity >= 0)).all():
             raise InputError(

@@ -142,12 +142,12 @@ class LinearConstraint(Constraint):
         self.rows(elements).check(elements)
 
     def allows(self, masks: Masks) -> NDArray[np.bool_]:
-        """To the bit; ``formulations.sata.feasibility`` allows for the rounding of sums."""
+        """Whether each set keeps the constraint exactly; ``formulations.sata.feasibility`` allows for the rounding of sums."""
         rows = self.rows(masks.shape[1])
         return np.asarray((rows.totals(masks) <= rows.limit).all(axis=1))
 
     def excess(self, chosen: Elements, elements: int) -> Excess:
-        """One number a row."""
+        """One number per row."""
         mask = np.zeros((1, elements), dtype=bool)
         mask[0, chosen] = True
         rows = self.rows(elements)

@@ -30,7 +30,7 @@ class Mixture:
     covariances: Floats
 
     def part(self, rows: Flags | Integers) -> Mixture:
-        """These components alone."""
+        """The mixture of the given components alone."""
         return Mixture(self.weights[rows], self.means[rows], self.covariances[rows])
 
     def joined(self, other: Mixture) -> Mixture:
@@ -129,7 +129,7 @@ class PHDFilter:
         return missed.joined(Mixture(weights.ravel(), means.reshape(-1, 2), np.tile(after, (len(found), 1, 1))))
 
     def reduced(self, mixture: Mixture) -> Mixture:
-        """Without light components; what is near the heaviest is merged with it, again and again: weights added, moments kept.
+        """Drop light components; then merge those near the heaviest one with it, again and again: weights add up, moments are kept.
 
         Near is by the covariance of the component that is merged, as in Vo and Ma (2006), table II.
         """

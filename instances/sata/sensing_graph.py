@@ -113,7 +113,7 @@ class SensingGraph(Declared):
         target_positions: ArrayLike | None = None,
         name: str = "sensing-graph",
     ) -> SensingGraph:
-        """A graph from arrays with one entry an action, and one entry an edge.
+        """A graph from arrays with one entry per action, and one entry per edge.
 
         Parameters
         ----------
@@ -157,7 +157,7 @@ class SensingGraph(Declared):
         Parameters
         ----------
         edges : DataFrame
-            Columns ``robot``, ``action``, ``target`` and, unless all weights are 1, ``weight``; one row an edge.
+            Columns ``robot``, ``action``, ``target`` and, unless all weights are 1, ``weight``; one row per edge.
         actions : DataFrame, optional
             Columns ``robot`` and ``action``: robots and actions that may see nothing; the action is empty for a robot without actions.
         duplicates : str
@@ -247,7 +247,7 @@ class SensingGraph(Declared):
         return _warned(graph_of_edges(**edges))
 
     def to_frame(self) -> pd.DataFrame:
-        """One row an edge: robot, action, target, weight; see ``sensing_sources.graph_to_frame``."""
+        """One row per edge: robot, action, target, weight; see ``sensing_sources.graph_to_frame``."""
         from .sensing_sources import graph_to_frame
 
         return graph_to_frame(self)
@@ -359,7 +359,7 @@ class SensingGraph(Declared):
         return tuple(f"{robots[r]}.{k + 1}" for r, k in zip(self.robot_of_action.tolist(), position.tolist(), strict=True))
 
     def with_notes(self, *notes: str) -> SensingGraph:
-        """The same graph with more to tell."""
+        """A copy of the graph with further notes for the user."""
         return replace(self, notes=self.notes + notes)
 
     def facts(self) -> dict[str, Any]:
@@ -422,7 +422,7 @@ def graph_of_edges(
     duplicates: str = "error",
     **further: Any,
 ) -> SensingGraph:
-    """``SensingGraph.from_edges`` without its warnings, for readers and generators: the notes tell the same.
+    """``SensingGraph.from_edges`` without its warnings, for readers and generators: the notes say the same.
 
     Further keywords go to ``SensingGraph`` as they are.
     """

@@ -63,7 +63,7 @@ def _named(pieces: list[Any]) -> Named:
 
 
 def graph_to_frame(graph: SensingGraph) -> pd.DataFrame:
-    """One row an edge: robot, action, target, weight. What no edge names has a row with empty cells, so ``from_frames`` loses
+    """One row per edge: robot, action, target, weight. What no edge names has a row with empty cells, so ``from_frames`` loses
     nothing of it."""
     import pandas as pd
 

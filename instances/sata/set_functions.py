@@ -128,7 +128,7 @@ class ItemWeights:
 
 
 def _frozen(values: NDArray[Any], dtype: Any) -> NDArray[Any]:
-    """Read-only, whoever made it: to a compiler these are two types, and a loop would be compiled for each."""
+    """A read-only view: numba takes writable and read-only arrays for two types, and would compile a loop for each."""
     return arrays.frozen(np.ascontiguousarray(values, dtype))
 
 

@@ -26,7 +26,7 @@ def fractions(values: Any) -> list[Any]:
 
 
 def path_values(problem: TaskAllocation) -> Iterator[Fraction]:
-    """Objective of every way to do all tasks: each order of them, cut into one path a robot."""
+    """Objective of every way to do all tasks: each order of them, cut into one path per robot."""
     robots, tasks = problem.num_robots, problem.num_tasks
     away = fractions(problem.instance.distances.tolist())
     for order in itertools.permutations(range(tasks)):
@@ -112,7 +112,7 @@ def errand_values(problem: JointAssignment) -> Iterator[Fraction]:
 
 
 def day_values(problem: OrchardDay) -> Iterator[Fraction]:
-    """The last step, or the sum of all, of every order of bins that stand, cut into one list a robot that fetches them in turn."""
+    """The last step, or the sum of all, of every order of bins that stand, cut into one list per robot that fetches them in turn."""
     jobs = problem.jobs
     if not jobs.standing.all():
         raise NotImplementedError("nothing enumerates days with bins to be brought")

@@ -187,7 +187,7 @@ def packing_covering(rng: Generator) -> Problem:
 
 
 def selection(rng: Generator) -> Problem:
-    """Coverage and facility location under a number of elements, a number a group, or a budget."""
+    """Coverage and facility location under a number of elements, a number per group, or a budget."""
     elements, items = int(rng.integers(2, 7)), int(rng.integers(1, 6))
     pattern = rng.random((elements, items)) < 0.6
     starts, indices = np.concatenate([[0], np.cumsum(pattern.sum(axis=1))]).astype(np.int32), np.nonzero(pattern)[1].astype(np.int32)

@@ -134,10 +134,10 @@ class Region:
         # Every variable as the difference of two that are not negative: bounds are rows like any other.
         sides = self.sides()
         doubled = [[*row, *(-e for e in row)] for row, _ in sides]
-        found = minimised([*cost, *(-c for c in cost)], doubled, [limit for _, limit in sides])
+        solution = minimised([*cost, *(-c for c in cost)], doubled, [limit for _, limit in sides])
         half = len(cost)
-        point = tuple(a - b for a, b in zip(found.point[:half], found.point[half:], strict=True))
-        return Optimum(found.status, found.value, point)
+        point = tuple(a - b for a, b in zip(solution.point[:half], solution.point[half:], strict=True))
+        return Optimum(solution.status, solution.value, point)
 
     def falls_for_ever(self, cost: Sequence[Fraction]) -> bool:
         """Look for a direction that no side limits and that lowers ``cost x``."""

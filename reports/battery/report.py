@@ -14,7 +14,7 @@ from .examining import GAVE_UP, WRONG, Examination, Outcome
 
 
 def examination_table(examinations: Sequence[Examination], by: str = "") -> Table:
-    """One row a solver; with ``by`` (``kind`` or ``form``) one for each of its kinds or forms."""
+    """One row per solver; with ``by`` (``kind`` or ``form``) one for each of its kinds or forms."""
     columns = [Column("solver"), Column("version"), *([Column(by)] if by else []), Column("cases", right=True)]
     columns += [Column(name, right=True) for name in (*WRONG, GAVE_UP, "seconds")]
     rows = []

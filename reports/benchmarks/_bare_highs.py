@@ -1,6 +1,6 @@
 """Solves programs with the HiGHS of a folder and nothing else; run by path, so that no other package is met.
 
-``python _bare_highs.py FOLDER PROGRAMS OPTIONS`` prints the version and, a program a line, its status and value.
+``python _bare_highs.py FOLDER PROGRAMS OPTIONS`` prints the version and, a program per line, its status and value.
 """
 
 import json

@@ -57,7 +57,7 @@ class Sides:
         self.tau, self.sigma = 1.0 / heaviest[self.owner], 1.0 / np.asarray(self.matrix.sum(axis=0)).ravel()
 
     def shares(self, aims: Floats) -> Floats:
-        """The nearest shares that sum to 1 a robot."""
+        """The projection of ``aims`` on shares that sum to 1 for each robot."""
         kept = np.ones(len(aims), bool)
         while True:
             total = np.bincount(self.owner, np.where(kept, aims, 0.0), self.robots) - 1.0
@@ -154,18 +154,18 @@ def both(graph: SensingGraph, pair: Pair) -> tuple[float, float]:
 def passes_until(method: Method, graph: SensingGraph, most: int) -> tuple[list[int | None], float]:
     """Passes until each of ``GAPS``, none where that takes more than ``most``; and the gap at the end."""
     value, bound, gap = 0.0, math.inf, math.inf
-    found: dict[float, int | None] = dict.fromkeys(GAPS)
+    counts: dict[float, int | None] = dict.fromkeys(GAPS)
     for passes, pairs in method(graph):
         for pair in pairs:
             reached = both(graph, pair)
             value, bound = max(value, reached[0]), min(bound, reached[1])
         gap = (bound - value) / value if value > 0.0 else math.inf
         for wanted in GAPS:
-            if gap <= wanted and found[wanted] is None:
-                found[wanted] = passes
-        if passes >= most or found[GAPS[-1]] is not None:
+            if gap <= wanted and counts[wanted] is None:
+                counts[wanted] = passes
+        if passes >= most or counts[GAPS[-1]] is not None:
             break
-    return [found[wanted] for wanted in GAPS], gap
+    return [counts[wanted] for wanted in GAPS], gap
 
 
 @command

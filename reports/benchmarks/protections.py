@@ -67,7 +67,7 @@ def run(program: Program, solver: str, own: dict[str, Any], limit: float) -> tup
 
 
 def rows(seeds: int, limit: float, groups: dict[str, tuple[str, Callable[[int], Problem]]] | None = None) -> Iterator[str]:
-    """One line a group and run: how many were proved optimal, and the seconds of all together."""
+    """One line per group and run: how many were proved optimal, and the seconds of all together."""
     for group, (form, make) in (groups or GROUPS).items():
         programs = [make(k).compile(form).program for k in range(seeds)]
         known: dict[int, float] = {}

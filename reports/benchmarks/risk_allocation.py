@@ -163,7 +163,7 @@ def rebuilt(problem: wb.RiskAllocation) -> tuple[float, int]:
 
 
 def side_by_side(problem: wb.RiskAllocation, repeat: int) -> tuple[list[str], float, float]:
-    """A line a method, with the risks that are true; the seconds of ``iterative`` and of the default."""
+    """A line per method, with the risks that are true; the seconds of ``iterative`` and of the default."""
     lines = [f"{problem.name}: {problem.size} decisions, {len(problem.names)} chance constraints, total risk {problem.risk.total:g}"]
 
     def tell(name: str, answer: wb.Allocation | None, seconds: float, note: str) -> None:

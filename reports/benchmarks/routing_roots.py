@@ -1,6 +1,6 @@
 """Root bounds of every exact routing form on small reference instances: ``python -m waybound.reports.benchmarks.routing_roots``.
 
-A row an instance: the value of each form's linear relaxation, with the preparation and the fleet row that all of them share, then the
+A row per instance: the value of each form's linear relaxation, with the preparation and the fleet row that all of them share, then the
 integer optimum. A dash stands for a form that cannot take the problem; forms without a linear relaxation have no column.
 """
 
@@ -37,7 +37,7 @@ CASES: dict[str, tuple[Travel, int, float, Composable]] = {
 
 
 def case(name: str) -> wb.RoutingProblem:
-    """One of ``CASES``."""
+    """The problem of that name in ``CASES``."""
     travel, vehicles, limit, objective = CASES[name]
     return wb.RoutingProblem(wb.Sites.of(range(len(travel))), travel, (wb.VehicleType(vehicles, max_distance=limit),), objective, name=name)
 

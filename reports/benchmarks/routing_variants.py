@@ -367,7 +367,7 @@ def _made(rng: np.random.Generator, wanted: tuple[str, ...], name: str) -> Routi
 
 
 def features_of(problem: RoutingProblem) -> frozenset[str]:
-    """All that a problem asks and its data hold; an asymmetric matrix has no name of its own."""
+    """The features of a problem and of its data; an asymmetric matrix has no name of its own."""
     return problem.features() | features(problem)
 
 

@@ -24,7 +24,7 @@ Value = tuple[str | None, str | None, float]
 
 
 def best_known(instances: Iterable[Named], table: Path | None = None) -> dict[str, list[Value]]:
-    """Best values that tables tell of instances, by the hash of their files.
+    """Best known values of instances from published tables, by the hash of the instance files.
 
     ``table`` holds for all; by default it is the nearest ``bks.csv`` in the folder of each instance and those above. Raises InputError for
     a table that cannot be read, or lacks a column.
@@ -53,7 +53,7 @@ def _read(table: Path) -> dict[str, list[Value]]:
     for name in ("instance", "value"):
         if name not in (lines.fieldnames or ()):
             raise InputError(f"has no column {name!r}", "missing", file=table)
-    found: dict[str, list[Value]] = {}
+    values: dict[str, list[Value]] = {}
     for line in lines:
         objective, said = (line.get("objective") or "").lower(), line.get("convention") or ""
         if "-then-" in objective:  # of objectives in order of priority: one number says too little
@@ -64,5 +64,5 @@ def _read(table: Path) -> dict[str, list[Value]]:
             raise InputError(f"{line['value']!r} is no number", file=table, line=lines.line_num) from None
         sense = "max" if "max" in objective else "min" if objective else None
         if math.isfinite(value):
-            found.setdefault(line["instance"], []).append((CONVENTIONS.get(said, said) or None, sense, value))
-    return found
+            values.setdefault(line["instance"], []).append((CONVENTIONS.get(said, said) or None, sense, value))
+    return values

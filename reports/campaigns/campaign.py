@@ -1,4 +1,4 @@
-"""Campaign files: what is to be run, by whom, on what, and where the results go."""
+"""Campaign files: which methods run on which instances, under which limits, and where the results go."""
 
 from __future__ import annotations
 
@@ -83,12 +83,12 @@ class Campaign:
         Those of tables are of files as they stand: where ``set`` or ``problem`` make something else of them, the campaign must say so.
         """
         tables = best_known({run.instance.hash: run.instance for run in self.runs}.values(), self.best_known)
-        found: dict[tuple[str, str], list[Value]] = {}
+        values: dict[tuple[str, str], list[Value]] = {}
         for run in self.runs:
             key = run.instance.hash, run.setting.reading
             holds = self.stated.get(key, not run.setting.changes and run.setting.problem is None)
-            found[key] = [(None, None, float(holds))] if not isinstance(holds, bool) else tables.get(key[0], []) if holds else []
-        return found
+            values[key] = [(None, None, float(holds))] if not isinstance(holds, bool) else tables.get(key[0], []) if holds else []
+        return values
 
 
 def bundled_campaigns() -> dict[str, Path]:
@@ -126,8 +126,8 @@ def read_campaign(path: str | Path, folder: Path | None = None) -> Campaign:
         raise top.fault("names no instance: instances = [...]", "missing")
     pairs = [(one, Setting(**reading, **method)) for one, reading, _ in instances for method in methods]
     stated = {(one.hash, Setting(method="", **reading).reading): value for one, reading, value in instances if value is not None}
-    made = (Planned(one, setting, seed) for seed in seeds for one, setting in pairs)
-    runs = {run.key: run for run in made}
+    planned = (Planned(one, setting, seed) for seed in seeds for one, setting in pairs)
+    runs = {run.key: run for run in planned}
     _check({run.setting.hash: run.setting for run in runs.values()}.values(), file)
     table = None if known is None else folder / with_variables(known, file)
     return Campaign(file, folder, results, tuple(runs.values()), float(overtime), table, stated, modules)

@@ -36,7 +36,7 @@ COUNTED = [
 
 
 def counted(frame: pd.DataFrame, known: Mapping[tuple[str, str], list[Value]] | None = None) -> pd.DataFrame:
-    """Results with what they are compared with.
+    """Add to each result the best answer, bound and known value of its case, and the gaps to them.
 
     An answer counts if it passed every check and nothing about its run contradicts it.
 
@@ -85,8 +85,8 @@ def _named_apart(f: pd.DataFrame) -> pd.Series[str]:
         read = [json.loads(limits) for limits in own]
         names = [name for name in sorted({name for one in read for name in one}) if len({one.get(name) for one in read}) > 1]
         for limits, one in zip(own, read, strict=True):
-            told = (f"{name.replace('_', ' ')} {one[name]:g}" if name in one else f"no {name.replace('_', ' ')}" for name in names)
-            words[method, limits] = f"{method}, {', '.join(told)}"
+            parts = (f"{name.replace('_', ' ')} {one[name]:g}" if name in one else f"no {name.replace('_', ' ')}" for name in names)
+            words[method, limits] = f"{method}, {', '.join(parts)}"
     keys = zip(f["method"], f["limits"], strict=True)
     return pd.Series([words.get(key, key[0]) for key in keys], index=f.index)
 

@@ -117,7 +117,7 @@ _TALKERS = ("distributed", "asyncio", "tornado")
 
 @contextmanager
 def _quiet() -> Iterator[None]:
-    """Without what Dask says on standard error while connections are lost: what matters of it is told as an error of ours."""
+    """Silence Dask's log on standard error while connections are lost: what matters is raised as an error of our own."""
     known = [*_TALKERS, *(name for name in logging.root.manager.loggerDict if name.partition(".")[0] in _TALKERS)]
     loggers = [logging.getLogger(name) for name in known]  # some have levels of their own
     before = [logger.level for logger in loggers]

@@ -199,10 +199,10 @@ def _be_a_run(task: Task, place: Path, news: Connection) -> None:
         os.dup2(said, 2)
         from ...formulations.stop import hearing
 
-        before, made = set(sys.modules), set(_ready())
+        before, ready = set(sys.modules), set(_ready())
         with hearing(lambda _, seconds: news.send_bytes(b"stands" if math.isnan(seconds) else b"runs on")):
             outcome = run_task(task)
-        data = pickle.dumps((outcome, _loaded(before, made)))
+        data = pickle.dumps((outcome, _loaded(before, ready)))
         (place / f"{_PICKED_UP}.part").write_bytes(data)
         (place / f"{_PICKED_UP}.part").rename(place / _PICKED_UP)
         os._exit(0)
@@ -248,13 +248,13 @@ def _preload() -> None:
 
 
 def _loaded(before: set[str], made: set[tuple[str, str]]) -> tuple[list[str], list[tuple[str, str]]]:
-    """Modules that a run has loaded, and compiled loops that it had made ready, beside what was there before."""
+    """The modules that a run has loaded, and the compiled loops that it has prepared, beyond those given, which were there before."""
     modules = [name for name in sys.modules if name not in before and name.partition(".")[0] in _INHERITED]
     return modules, [loop for loop in _ready() if loop not in made]
 
 
 def _ready() -> dict[tuple[str, str], Callable[[], Any]]:
-    """Loops that are ready to be called, each with what makes it so."""
+    """The compiled loops that can be called at once, each with the function that prepares it."""
     modules = [name for name in sys.modules if name.startswith("waybound.") and name.endswith("_kernels")]
     if not modules:
         return {}
@@ -264,7 +264,7 @@ def _ready() -> dict[tuple[str, str], Callable[[], Any]]:
 
 
 def _learn(modules: list[str], loops: list[tuple[str, str]]) -> None:
-    """Load them here too: loops from the cache on disk alone, as nobody shall wait for a compiler."""
+    """Load a finished run's modules and compiled loops here, for later runs to inherit; none is compiled for that."""
     for name in modules:
         with suppress(Exception):
             importlib.import_module(name)

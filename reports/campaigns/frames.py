@@ -1,4 +1,4 @@
-"""Results as pandas frames and as files, one row a run."""
+"""Results as pandas frames and as files, one row per run."""
 
 from __future__ import annotations
 
@@ -93,12 +93,12 @@ def results(path: str | PathLike[str], columns: Sequence[str] | None = None) -> 
         shared = {refers: _looked_up(connection, table, known, names) for refers, (table, known) in _TABLES.items()}
     places = {refers: np.searchsorted(numbers, runs[refers].to_numpy(dtype=np.int64)) for refers, (numbers, _, _) in shared.items()}
     order = np.lexsort((runs["the seed"], shared["setting"][1][places["setting"]], shared["instance"][1][places["instance"]]))
-    made: dict[str, Any] = {"seed": runs["the seed"].to_numpy(dtype=np.int64)[order]}
+    data: dict[str, Any] = {"seed": runs["the seed"].to_numpy(dtype=np.int64)[order]}
     for refers, (_, _, texts) in shared.items():
-        made.update({name: values[places[refers][order]] for name, values in texts.items()})
+        data.update({name: values[places[refers][order]] for name, values in texts.items()})
     for name in own:
-        made[name] = runs[name].to_numpy()[order].astype(float) if COLUMNS[name] == "REAL" else runs[name].to_numpy()[order]
-    frame = pd.DataFrame({name: made[name] for name in names})
+        data[name] = runs[name].to_numpy()[order].astype(float) if COLUMNS[name] == "REAL" else runs[name].to_numpy()[order]
+    frame = pd.DataFrame({name: data[name] for name in names})
     if "checked" in names:
         frame["checked"] = frame["checked"].fillna(0).astype(bool)
     return frame

@@ -62,13 +62,13 @@ def named_instances(said: str, folder: Path, campaign: Path) -> list[Named]:
         if said in bundled_names():
             return [_named(said, bundled_path(said), campaign, said)]
         if any(sign in said for sign in _PATTERN):
-            found = _matching(said, folder)
-            named = [] if found else fnmatch.filter(bundled_names(), said)
+            names = _matching(said, folder)
+            named = [] if names else fnmatch.filter(bundled_names(), said)
             if named:
                 return [_named(name, bundled_path(name), campaign, name) for name in named]
-            if not found:
+            if not names:
                 raise InputError(f"no instance matches {said!r} (looked in {folder})", "missing", file=campaign)
-            return [_named(str(file.relative_to(folder)) if file.is_relative_to(folder) else str(file), file, campaign) for file in found]
+            return [_named(str(file.relative_to(folder)) if file.is_relative_to(folder) else str(file), file, campaign) for file in names]
     except (OSError, ValueError) as fault:
         raise InputError(f"instance {said!r} cannot be looked for: {fault}", "file", file=campaign) from fault
     hint = did_you_mean(said, bundled_names())

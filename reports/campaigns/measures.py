@@ -32,14 +32,14 @@ def performance_profile(costs: pd.DataFrame, factors: Sequence[float] | None = N
     Parameters
     ----------
     costs : DataFrame
-        One row a case, one column a method, positive; NaN where a method did not solve a case. Cases that none solved count for all.
+        One row per case, one column per method, positive; NaN where a method did not solve a case. Cases that none solved count for all.
     factors : sequence of float, optional
         From 1; by default all at which a profile rises.
 
     Returns
     -------
     DataFrame
-        Index ``factor``, one column a method.
+        Index ``factor``, one column per method.
     """
     import pandas as pd
 

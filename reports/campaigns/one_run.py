@@ -1,4 +1,4 @@
-"""One run of a campaign: an instance is read, solved within its limits, and told as one row with its documents."""
+"""One run of a campaign: an instance is read, solved within its limits, and recorded as one row with its documents."""
 
 from __future__ import annotations
 
@@ -95,7 +95,7 @@ class Outcome:
 
 
 def run_task(task: Task) -> Outcome:
-    """Do a run in this process, whose memory is limited from then on; whatever it raises but an interrupt is told as its outcome."""
+    """Do a run in this process, whose memory is limited from then on; any exception but an interrupt becomes its outcome."""
     from ...api import problem_of, read_source
     from ...solvers.isolation import limit_memory
     from ...solving.request import request_of
@@ -138,7 +138,7 @@ def failed(reason: str, code: str, limit: str = "none") -> dict[str, Any]:
 
 
 def lost(task: Task, reason: str, limit: str = "none", seconds: float | None = None) -> Outcome:
-    """The outcome of a run whose process did not live to tell it."""
+    """The outcome of a run whose process died."""
     return Outcome({**failed(reason, "search-failed", limit), "run_seconds": seconds}, {}, own_versions(), machine())
 
 
@@ -187,10 +187,10 @@ def _first(value: Any) -> Any:
 
 
 def _documents(s: Solution) -> dict[str, str]:
-    told = {key: value for key, value in s.to_json().items() if key != "certificate"}
+    solution = {key: value for key, value in s.to_json().items() if key != "certificate"}
     events = [[e.seconds, e.phase, e.objective, e.bound, e.bound_kind, e.found_by] for e in s.events]
-    held = {"solution": told, "certificate": s.certificate.to_json(with_evidence=True), "history": events}
-    return {name: json.dumps(finite(data), ensure_ascii=False) for name, data in held.items()}
+    documents = {"solution": solution, "certificate": s.certificate.to_json(with_evidence=True), "history": events}
+    return {name: json.dumps(finite(data), ensure_ascii=False) for name, data in documents.items()}
 
 
 def _load(setting: Setting) -> None:

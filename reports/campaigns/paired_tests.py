@@ -86,8 +86,8 @@ def against(runs: pd.DataFrame, who: str) -> pd.DataFrame:
         both = values[[other, who]].dropna()
         if len(both):
             worse = sign.loc[both.index.get_level_values("case")].to_numpy() * relative(both[other], both[who])
-            told = paired(units(pd.Series(worse, index=both.index)))
-            rows.append((other, told.pairs, told.mean, told.low, told.high, told.p_value))
+            test = paired(units(pd.Series(worse, index=both.index)))
+            rows.append((other, test.pairs, test.mean, test.low, test.high, test.p_value))
     return pd.DataFrame(rows, columns=["method", "pairs", "mean", "low", "high", "p_value"])
 
 

@@ -24,15 +24,15 @@ def primal_integrals(runs: pd.DataFrame, path: Path) -> pd.Series[float]:
     """
     import pandas as pd
 
-    held = runs[_KEY].reset_index().merge(documents(path, "history"), on=_KEY, how="left").set_index("index")["history"]
-    made = {}
+    histories = runs[_KEY].reset_index().merge(documents(path, "history"), on=_KEY, how="left").set_index("index")["history"]
+    integrals = {}
     for at, limits, best, known, sense, counts in runs[["limits", "best", "known", "sense", "counts"]].itertuples(name=None):
         until = float(json.loads(limits)["time_limit"])
         reference = best if math.isnan(known) else (max if sense == "max" else min)(best, known)
-        history = held.get(at)
+        history = histories.get(at)
         if not counts or not isinstance(history, str):
-            made[at] = until if not math.isnan(reference) else math.nan
+            integrals[at] = until if not math.isnan(reference) else math.nan
             continue
         events = [(seconds, objective[0]) for seconds, _, objective, *_ in json.loads(history) if objective and objective[0] is not None]
-        made[at] = primal_integral([s for s, _ in events], [v for _, v in events], reference, until)
-    return pd.Series(made, dtype=float)
+        integrals[at] = primal_integral([s for s, _ in events], [v for _, v in events], reference, until)
+    return pd.Series(integrals, dtype=float)

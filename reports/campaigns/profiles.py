@@ -39,7 +39,7 @@ def profile(runs: pd.DataFrame, measure: str = "objective") -> pd.DataFrame:
     Returns
     -------
     DataFrame
-        Index ``factor``, one column a method: the share of cases within this factor of the least cost.
+        Index ``factor``, one column per method: the share of cases within this factor of the least cost.
     """
     if measure not in MEASURES:
         hint = did_you_mean(measure, MEASURES)
@@ -56,14 +56,14 @@ def profile(runs: pd.DataFrame, measure: str = "objective") -> pd.DataFrame:
 
 
 def _by_case(runs: pd.DataFrame, cost: pd.Series[float]) -> pd.DataFrame:
-    """Costs, one row a case with a seed, one column a method."""
+    """Costs, one row per case with a seed, one column per method."""
     import pandas as pd
 
     methods = pd.Categorical(runs["who"])
     rows = runs.groupby(["case", "seed"], sort=False).ngroup().to_numpy()
-    made = np.full((rows.max() + 1 if len(rows) else 0, len(methods.categories)), np.nan)
-    np.fmin.at(made, (rows, methods.codes), cost.to_numpy(dtype=np.float64))
-    return pd.DataFrame(made, columns=list(methods.categories))
+    table = np.full((rows.max() + 1 if len(rows) else 0, len(methods.categories)), np.nan)
+    np.fmin.at(table, (rows, methods.codes), cost.to_numpy(dtype=np.float64))
+    return pd.DataFrame(table, columns=list(methods.categories))
 
 
 def draw_profile(shares: pd.DataFrame, measure: str, ax: Any) -> Any:

@@ -115,17 +115,17 @@ def _name(machine: str) -> Any:
 def _changes(method: str, runs: pd.DataFrame, timed: bool) -> list[Change]:
     sign = np.where(runs["sense_a"].fillna(runs["sense_b"]) == "max", -1.0, 1.0)
     proved = [runs[f"counts_{side}"] & (runs[f"status_{side}"] == "optimal") & (runs[f"bound_kind_{side}"] == "verified") for side in "ab"]
-    made = [_lost(method, "answers", runs, runs["counts_a"], runs["counts_b"]), _lost(method, "optima", runs, *proved)]
+    changes = [_lost(method, "answers", runs, runs["counts_a"], runs["counts_b"]), _lost(method, "optima", runs, *proved)]
     both = runs["counts_a"] & runs["counts_b"]
     for measure, name, direction in (("objective", "objective", sign), ("bound", "verified_bound", -sign)):
         valid = both if measure == "objective" else runs["verified_bound_a"].notna() & runs["verified_bound_b"].notna()
         differences = direction * relative(runs[f"{name}_b"], runs[f"{name}_a"])
-        made.append(_judged(method, measure, runs, differences, valid, TOLERANCE))
+        changes.append(_judged(method, measure, runs, differences, valid, TOLERANCE))
     if timed:
         ended = both & (runs["limit_a"] != "time") & (runs["limit_b"] != "time")
         longer = np.log((runs["seconds_b"].to_numpy() + SHIFT) / (runs["seconds_a"].to_numpy() + SHIFT))
-        made.append(_judged(method, "seconds", runs, longer, ended, float(np.log1p(SLOWER))))
-    return [one for one in made if one is not None]
+        changes.append(_judged(method, "seconds", runs, longer, ended, float(np.log1p(SLOWER))))
+    return [one for one in changes if one is not None]
 
 
 def _judged(method: str, measure: str, runs: pd.DataFrame, differences: Any, valid: pd.Series[bool], tolerance: float) -> Change | None:
@@ -135,13 +135,13 @@ def _judged(method: str, measure: str, runs: pd.DataFrame, differences: Any, val
     d = pd.Series(differences, index=runs.index)[valid.to_numpy()]
     if d.empty:
         return None
-    told, own = paired(units(d)), _names(runs)
+    test, own = paired(units(d)), _names(runs)
     cases = {case: values for case, values in d.groupby(level="case") if len(values) > 1}
     each = {case: paired(values, 1.0 - (1.0 - CONFIDENCE) / len(cases)) for case, values in cases.items()}
     guilty = [case for case, one in each.items() if _beyond(one, tolerance)]
     where = ", ".join(own[case] for case in guilty)
     return Change(
-        method, measure, told.pairs, told.mean, told.low, told.high, told.p_value, _beyond(told, tolerance) or bool(guilty), where
+        method, measure, test.pairs, test.mean, test.low, test.high, test.p_value, _beyond(test, tolerance) or bool(guilty), where
     )
 
 
@@ -155,10 +155,10 @@ def _lost(method: str, measure: str, runs: pd.DataFrame, before: pd.Series[bool]
         return None
     own = _names(runs)
     difference = before.astype(float) - after.astype(float)
-    told = paired(units(difference))
+    test = paired(units(difference))
     gone = [case for case in own if before.loc[[case]].all() and not after.loc[[case]].any()]
-    worse = bool(gone) or (told.mean > 0.0 and told.low > 0.0)
-    return Change(method, measure, told.pairs, told.mean, told.low, told.high, told.p_value, worse, ", ".join(own[case] for case in gone))
+    worse = bool(gone) or (test.mean > 0.0 and test.low > 0.0)
+    return Change(method, measure, test.pairs, test.mean, test.low, test.high, test.p_value, worse, ", ".join(own[case] for case in gone))
 
 
 def _names(runs: pd.DataFrame) -> dict[Any, str]:

@@ -76,9 +76,9 @@ class ResultsFile:
         c = self._connection
         check_schema(c, self.path)
         if c.execute("PRAGMA user_version").fetchone()[0]:
-            (found,) = c.execute("PRAGMA quick_check(runs)").fetchone()
-            if found != "ok":
-                raise sqlite3.DatabaseError(str(found).splitlines()[0])
+            (verdict,) = c.execute("PRAGMA quick_check(runs)").fetchone()
+            if verdict != "ok":
+                raise sqlite3.DatabaseError(str(verdict).splitlines()[0])
         c.execute("PRAGMA journal_mode = WAL")
         c.execute("PRAGMA synchronous = NORMAL")  # what is committed outlives the process in any case
         c.execute("PRAGMA foreign_keys = ON")
@@ -150,9 +150,9 @@ class ResultsFile:
     def _known(self, table: str, unique: dict[str, Any], rest: dict[str, Any]) -> int:
         """The number of a row of a table, which is added where it is not there."""
         where = " AND ".join(f"{name} = ?" for name in unique)
-        found = self._connection.execute(f"SELECT id FROM {table} WHERE {where}", tuple(unique.values())).fetchone()
-        if found is not None:
-            return int(found[0])
+        row = self._connection.execute(f"SELECT id FROM {table} WHERE {where}", tuple(unique.values())).fetchone()
+        if row is not None:
+            return int(row[0])
         values = {**rest, **unique}
         added = self._insert(table, values, tuple(values))
         assert added is not None
@@ -160,10 +160,10 @@ class ResultsFile:
 
     def _insert(self, table: str, values: dict[str, Any], names: tuple[str, ...]) -> int | None:
         columns, marks = ", ".join(f'"{name}"' for name in names), ", ".join("?" * len(names))
-        made = self._connection.execute(
+        cursor = self._connection.execute(
             f"INSERT OR IGNORE INTO {table} ({columns}) VALUES ({marks})", tuple(values.get(name) for name in names)
         )
-        return made.lastrowid if made.rowcount else None
+        return cursor.lastrowid if cursor.rowcount else None
 
 
 _KEYS = "SELECT i.name, i.hash, s.hash, r.seed FROM runs r JOIN instances i ON i.id = r.instance JOIN settings s ON s.id = r.setting"

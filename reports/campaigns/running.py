@@ -17,7 +17,7 @@ Told = Callable[[int, int, str], None]
 
 
 class Workers(Protocol):
-    """Whoever does runs: processes of this machine (``run_processes.py``) or a cluster (``dask_cluster.py``)."""
+    """Does the runs of a campaign: processes of this machine (``run_processes.py``) or a cluster (``dask_cluster.py``)."""
 
     def outcomes(self, tasks: Iterator[tuple[Planned, Task]]) -> Iterator[tuple[Planned, Outcome]]:
         """Each run with its outcome, in the order in which they end; tasks are taken as they can be done."""
@@ -67,7 +67,7 @@ def run_campaign(campaign: Campaign, workers: AbstractContextManager[Workers], *
 
 
 def check_reading(runs: list[Planned]) -> None:
-    """Read one instance in each way that these runs ask for, so that a setting which does not exist is told once, and not by every run.
+    """Read one instance in each way that these runs ask for, so that an unknown setting is one error, not one for every run.
 
     Raises UsageError for a problem, convention or change of the data that does not exist.
     """

@@ -1,4 +1,4 @@
-"""The settings of a run: which problem is made of an instance, by whom it is searched, and within which limits."""
+"""The settings of a run: the problem that is made of an instance, the method, and its limits."""
 
 from __future__ import annotations
 
@@ -56,8 +56,8 @@ class Setting:
 
     def to_json(self) -> dict[str, Any]:
         """Settings that differ from the defaults, and the limits that every run has, as plain data."""
-        given = {one.name: getattr(self, one.name) for one in fields(self)}
-        return {name: value for name, value in given.items() if name in _ALWAYS or value != _DEFAULTS.get(name, {})}
+        values = {one.name: getattr(self, one.name) for one in fields(self)}
+        return {name: value for name, value in values.items() if name in _ALWAYS or value != _DEFAULTS.get(name, {})}
 
     @classmethod
     def from_json(cls, data: dict[str, Any]) -> Setting:

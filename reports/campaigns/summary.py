@@ -71,10 +71,10 @@ def summary_of(runs: pd.DataFrame, path: Path) -> Summary:
     notes = _notes(runs, len(common), bool(methods > 1))
     fair = runs[shared] if common else runs[runs["counts"]]
     by_method = dict(iter(fair.groupby("who")))
-    made = [_method(str(who), own, by_method.get(who, fair.iloc[:0])) for who, own in runs.groupby("who")]
-    made.sort(key=lambda one: (one.gap_to_best is None, one.gap_to_best or 0.0, one.method))
+    rows = [_method(str(who), own, by_method.get(who, fair.iloc[:0])) for who, own in runs.groupby("who")]
+    rows.sort(key=lambda one: (one.gap_to_best is None, one.gap_to_best or 0.0, one.method))
     failing = int(((runs["faults"].fillna(0) > 0) | (runs["error_code"] == "check-failed")).sum())
-    return Summary(tuple(made), tuple(notes), failing)
+    return Summary(tuple(rows), tuple(notes), failing)
 
 
 def _method(who: str, own: pd.DataFrame, fair: pd.DataFrame) -> MethodSummary:

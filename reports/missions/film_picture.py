@@ -102,7 +102,7 @@ class Picture:
         open_frame(chart)
 
     def gif(self, steps: list[int]) -> bytes:
-        """These steps as a GIF file. Pillow takes each picture as it is drawn; its writer within matplotlib would draw it three times."""
+        """The given steps as a GIF file. Pillow takes each picture as it is drawn; matplotlib's own writer would draw it three times."""
         from PIL import Image
 
         def pictures() -> Iterator[Image.Image]:

@@ -77,7 +77,7 @@ def run(
     Returns
     -------
     pandas.DataFrame
-        One row a step: ``step``; the world's metrics after it; for what was solved in it ``problems`` (their number), ``objective``
+        One row per step: ``step``; the world's metrics after it; for what was solved in it ``problems`` (their number), ``objective``
         and ``bound`` (of all teams together), ``bound_kind``, ``gap``, ``guarantee`` (the worst stated ratio, if all have one),
         ``seconds`` (wall time of all solving, or of the policy), ``status`` (the worst; ``none`` without a problem) and ``limit``; and,
         but for policies, the mission's measures. ``attrs`` tells the mission, what decided, seed, settings, ``limit``: ``interrupt`` if

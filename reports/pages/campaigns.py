@@ -96,15 +96,15 @@ def _gaps(runs: pd.DataFrame) -> list[Block]:
 
 def _spread(runs: pd.DataFrame, name: str) -> Any:
     """A gap by method: the middle half as a bar with the median, 5 to 95 % as a line, and how many answers there are."""
-    given = {str(who): own.dropna().to_numpy() * 100.0 for who, own in runs.groupby("who")[name] if own.notna().any()}
-    at = np.arange(len(given))
-    low, first, middle, third, high = np.array([np.quantile(own, (0.05, 0.25, 0.5, 0.75, 0.95)) for own in given.values()]).T
+    gaps = {str(who): own.dropna().to_numpy() * 100.0 for who, own in runs.groupby("who")[name] if own.notna().any()}
+    at = np.arange(len(gaps))
+    low, first, middle, third, high = np.array([np.quantile(own, (0.05, 0.25, 0.5, 0.75, 0.95)) for own in gaps.values()]).T
     ax = axes_without_display()
-    ax.figure.set_size_inches(8.0, 1.4 + 0.34 * len(given))
+    ax.figure.set_size_inches(8.0, 1.4 + 0.34 * len(gaps))
     ax.hlines(at, low, high, color=COLOURS[4], linewidth=1.5)
     ax.barh(at, third - first, left=first, height=0.6, color=COLOURS[4])
     ax.vlines(middle, at - 0.3, at + 0.3, color=INK, linewidth=2.5, zorder=3)
-    ax.set_yticks(at, [f"{who} ({len(own)})" for who, own in given.items()])
+    ax.set_yticks(at, [f"{who} ({len(own)})" for who, own in gaps.items()])
     ax.invert_yaxis()
     ax.set_xlabel("percent", fontsize=9, color="#555555")
     chart_axes(ax)

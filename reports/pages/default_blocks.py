@@ -33,10 +33,10 @@ def answer_table(solution: Solution) -> Block:
 
 def charts(solution: Solution, names: Sequence[str]) -> list[tuple[str, Figure]]:
     """Views of an answer with their titles; "" is the first one, and the history is left to the page."""
-    made = []
+    blocks = []
     for name in names:
         if name != HISTORY:
             drawn = plot_solution(solution, view=name or None, ax=axes_without_display())
             title = name.replace("-", " ").capitalize() or "Picture"
-            made.append((title, Figure(drawn, f"{title} of the answer")))
-    return made
+            blocks.append((title, Figure(drawn, f"{title} of the answer")))
+    return blocks

@@ -35,11 +35,11 @@ def figure_svg(drawn: Any, made: Rendering) -> tuple[Markup, float, bool]:
 
     figure = getattr(drawn, "figure", drawn)
     scale = any(getattr(part, "get_array", lambda: None)() is not None for part in figure.findobj())
-    held = io.BytesIO()
+    file = io.BytesIO()
     name = made.name("f")
     with rc_context({"svg.fonttype": "none", "svg.hashsalt": "waybound"}):
-        figure.savefig(held, format="svg", transparent=True, metadata={"Date": None})
-    text = held.getvalue().decode("utf-8")
+        figure.savefig(file, format="svg", transparent=True, metadata={"Date": None})
+    text = file.getvalue().decode("utf-8")
     head = _HEAD.search(text)
     assert head is not None, "matplotlib writes a viewBox"
     width, height = float(head[1]), float(head[2])

@@ -31,12 +31,12 @@ class Page:
 
     def html(self) -> str:
         """The whole document."""
-        made = Rendering()
-        inside = made.blocks(self.blocks)
-        colours = {colour: dark_colour(colour) for colour in sorted(made.colours)}
-        script = "\n".join(asset(name) for name in made.scripts)
+        rendering = Rendering()
+        inside = rendering.blocks(self.blocks)
+        colours = {colour: dark_colour(colour) for colour in sorted(rendering.colours)}
+        script = "\n".join(asset(name) for name in rendering.scripts)
         digest = base64.b64encode(hashlib.sha256(script.encode("utf-8")).digest()).decode("ascii")
-        filled = made.template(
+        filled = rendering.template(
             "page.html", title=printable(self.title), lead=printable(self.lead), inside=inside, colours=colours, style=asset("page.css"),
             script=script, digest=digest, version=_version.__version__,
         )  # fmt: skip

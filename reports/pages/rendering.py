@@ -21,7 +21,7 @@ class Block(Protocol):
 
 
 class Rendering:
-    """Templates, names that occur once on the page, and what the blocks need beside them.
+    """Renders blocks: templates, names that are unique on the page, and the scripts and colours that the blocks need.
 
     Attributes
     ----------

@@ -64,11 +64,11 @@ class Finding:
         against = [label for label, lead, half in points if lead < -half]
         unclear = [label for label, lead, half in points if not abs(lead) > half]
         verdict = NOT if against else UNDECIDED if unclear else SIGN
-        told = f"{len(points) - len(against) - len(unclear)} of {len(points)} points; {ours}"
+        counts = f"{len(points) - len(against) - len(unclear)} of {len(points)} points; {ours}"
         listed = ", ".join(against or unclear)
         listed = listed if len(listed) <= LISTED else f"{len(against or unclear)} of {len(points)} points"
         where = f"{'not' if against else 'open'} at {listed}"
-        return cls(what, claim, told, verdict, "" if verdict == SIGN else f"{where}: {why}" if why and against else where)
+        return cls(what, claim, counts, verdict, "" if verdict == SIGN else f"{where}: {why}" if why and against else where)
 
     @classmethod
     def of_fact(cls, what: str, claim: str, ours: str, holds: bool, why: str = "", exact: bool = False) -> Finding:

@@ -60,7 +60,7 @@ def records(table: pd.DataFrame) -> list[dict[str, Any]]:
 
 
 def times_apart(rows: Sequence[Mapping[str, Any]], key: str = "method") -> tuple[list[dict[str, Any]], Table]:
-    """Rows without ``milliseconds`` and ``slowest``, which no seed decides, and a table of these by ``key``: wall time of a decision."""
+    """Rows without ``milliseconds`` and ``slowest``, wall times of a decision that no seed reproduces, and a table of these by ``key``."""
     kept = [{name: value for name, value in row.items() if name not in ("milliseconds", "slowest")} for row in rows]
     timed: dict[str, list[tuple[float, float]]] = {}
     for row in rows:
@@ -74,7 +74,7 @@ def times_apart(rows: Sequence[Mapping[str, Any]], key: str = "method") -> tuple
 
 
 def by_method(logs: Sequence[Mapping[str, Any]]) -> list[tuple[str, pd.DataFrame]]:
-    """Rows with a column ``method`` as one table a method, in the order in which these come."""
+    """Rows with a column ``method`` as one table per method, in the order in which these come."""
     import pandas as pd
 
     return [(str(method), log) for method, log in pd.DataFrame(logs).groupby("method", sort=False)]

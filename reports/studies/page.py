@@ -21,12 +21,12 @@ def page_of(study: Study, setting: StudySetting, report: Report) -> Page:
     """A page of facts, findings, figures, tables and notes; observations and the command are folded away."""
     import pandas as pd
 
-    found, tables = (report.tables[:1], report.tables[1:]) if report.findings else ((), report.tables)
+    findings, tables = (report.tables[:1], report.tables[1:]) if report.findings else ((), report.tables)
     size = f"{'in full' if setting.full else 'short'}, instances or runs: {setting.instances}, seed: {setting.seed}"
     cut = f"; interrupted: {report.done} of {report.asked} parts of the work were done" if report.interrupted else ""
-    told = (("source", study.source), ("claimed there", study.claim), ("form", size + cut))
-    blocks: list[Block] = [Facts([(name, text) for name, text in told if text])]
-    blocks += [DataTable(table) for table in found]
+    facts = (("source", study.source), ("claimed there", study.claim), ("form", size + cut))
+    blocks: list[Block] = [Facts([(name, text) for name, text in facts if text])]
+    blocks += [DataTable(table) for table in findings]
     for figure in report.figures:
         drawn = figure_without_display(*figure.size)
         figure.draw(drawn)

@@ -29,7 +29,7 @@ class Done:
         return [row for part in self.results if part is not None for row in part]
 
     def progress(self) -> dict[str, Any]:
-        """The fields of a report that tell how far it came."""
+        """The fields of a report on how many runs are done."""
         finished = sum(part is not None for part in self.results)
         return {"done": finished, "asked": len(self.results), "interrupted": self.interrupted}
 

@@ -160,8 +160,8 @@ class Report:
     @property
     def tables(self) -> tuple[Table, ...]:
         """All tables, findings first; those without rows are left out."""
-        found = Table("Published and ours", FINDINGS, tuple((f.what, f.published, f.ours, f.verdict, f.why) for f in self.findings))
-        return tuple(table for table in (found, self.table, *self.further) if table.rows)
+        comparison = Table("Published and ours", FINDINGS, tuple((f.what, f.published, f.ours, f.verdict, f.why) for f in self.findings))
+        return tuple(table for table in (comparison, self.table, *self.further) if table.rows)
 
     def to_json(self, files: tuple[str | None, ...] = ()) -> dict[str, Any]:
         """Plain JSON values; ``files`` names where the instance of each fault was written."""

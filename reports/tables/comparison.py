@@ -12,7 +12,7 @@ if TYPE_CHECKING:
 
 
 def comparison_table(comparison: Comparison) -> Table:
-    """One row a method; the gap is to the best verified bound of all."""
+    """One row per method; the gap is to the best verified bound of all."""
     rows = [
         (
             run.name,

@@ -130,7 +130,7 @@ def _fill(proto: Any, counted: IntegerProgram) -> None:
 
 
 def _connect(constraints: Any, counted: IntegerProgram, graph: Circuit) -> None:
-    """A circuit, or several; of a node that no arc names CP-SAT would know nothing.
+    """Add a circuit, or several. A node without arcs makes the program infeasible, and CP-SAT would not know of it.
 
     Its constraint on routes takes loops too, but calls feasible models infeasible then (9.15: its presolve forgets them where a node is
     not joined to node 0 in both directions).

@@ -102,35 +102,35 @@ class _Search:
     def run(self) -> RawResult:
         before = -math.inf
         for _ in range(FRACTIONAL_ROUNDS):
-            said = self._solve(whole=False)
-            if said.answer is None or not self._cut([said.answer]) or self.control.stopped or self._left() <= 0:
+            result = self._solve(whole=False)
+            if result.answer is None or not self._cut([result.answer]) or self.control.stopped or self._left() <= 0:
                 break
-            value = self.sign * self.program.value(said.answer)
+            value = self.sign * self.program.value(result.answer)
             if value - before <= GAINED * max(abs(value), abs(before)):
                 break
             before = value
         while True:
             heard = _Heard(self.control)
-            said = self._solve(whole=True, heard=heard)
-            if said.status not in ("optimal", "feasible", "unknown"):
-                return replace(said, answer=None, statistics=self._statistics())
-            if said.bound is not None:
-                self.bound = said.bound
-                self.control.publish(bound=said.bound)
-            points = heard.points if said.answer is None else [*heard.points, said.answer]
+            result = self._solve(whole=True, heard=heard)
+            if result.status not in ("optimal", "feasible", "unknown"):
+                return replace(result, answer=None, statistics=self._statistics())
+            if result.bound is not None:
+                self.bound = result.bound
+                self.control.publish(bound=result.bound)
+            points = heard.points if result.answer is None else [*heard.points, result.answer]
             for x in points:
                 self._keep(x)
-            done = said.answer is not None and self._excess(said.answer) <= BROKEN
+            done = result.answer is not None and self._excess(result.answer) <= BROKEN
             if done:
-                return self._ended(said, said.answer)
+                return self._ended(result, result.answer)
             broken = self._cut(points)
-            if said.status != "optimal" and said.limit != "gap":
-                return self._ended(said, self.best)
+            if result.status != "optimal" and result.limit != "gap":
+                return self._ended(result, self.best)
             if not broken:
                 return RawResult("error", message="outer approximation came to a point that its rows do not exclude")
             if self._left() <= 0 or self.control.stopped or self._nodes_left() == 0:
                 limit = "interrupt" if self.control.stopped else "nodes" if self._nodes_left() == 0 else "time"
-                return self._ended(replace(said, limit=limit), self.best)
+                return self._ended(replace(result, limit=limit), self.best)
 
     def _solve(self, *, whole: bool, heard: Control | None = None) -> RawResult:
         """Solve the program with the rows so far, continuous or ``whole``."""
@@ -142,13 +142,13 @@ class _Search:
             iterations=self._nodes_left() if whole else None,
         )  # fmt: skip
         heard = heard or _Heard(self.control)
-        said: RawResult = self.within.run(linear, options, heard)
-        if said.status == "error" and options.start is not None:  # HiGHS fails on starts that are off by its own tolerance
+        result: RawResult = self.within.run(linear, options, heard)
+        if result.status == "error" and options.start is not None:  # HiGHS fails on starts that are off by its own tolerance
             self.start = None
-            said = self.within.run(linear, replace(options, start=None), heard)
+            result = self.within.run(linear, replace(options, start=None), heard)
         self.rounds += 1
-        self.nodes += int(said.statistics.get("nodes", 0)) if whole else 0
-        return said
+        self.nodes += int(result.statistics.get("nodes", 0)) if whole else 0
+        return result
 
     def _left(self) -> float:
         return self.end - time.perf_counter()

@@ -1,4 +1,4 @@
-"""Evidence for bounds: one module a method, in the room of its family; those for every family stand here."""
+"""Evidence for bounds: one module per method, in the room of its family; those for every family stand here."""
 
 from __future__ import annotations
 
@@ -53,7 +53,7 @@ class BoundMethod:
     kernels: tuple[str, ...] = ()
 
     def compiled(self) -> bool:
-        """Whether it takes no compiler: all its loops are in the cache, or made."""
+        """Whether the method can run without compiling: all its loops are loaded or in the cache."""
         if not self.kernels:
             return True
         from ...formulations.kernels import kernels
@@ -82,5 +82,5 @@ def of_family(family: str, lacks: Callable[[Any], frozenset[str]] = lambda probl
 
 
 def replaced(problem: Any) -> frozenset[str]:
-    """Names of the methods for which another one stands where ``problem`` is concerned."""
+    """Names of the methods that another one replaces for ``problem``."""
     return frozenset[str]().union(*(method.replaces(problem) for method in BOUNDS.values()))

@@ -1,4 +1,4 @@
-"""Bound ``branching-tree``: branch and bound that is there to prove, whoever found the answer.
+"""Bound ``branching-tree``: branch and bound that proves bounds, whatever method found the answer.
 
 Every node's linear relaxation leaves row duals, or a ray where it is infeasible; the family's own checker multiplies them out on the
 problem restricted by the branchings above (``Problem.restricted``), and what it derives is the node's bound: nothing that the simplex
@@ -85,14 +85,14 @@ class _Costs:
     def estimates(self, columns: NDArray[np.int64], values: Floats) -> tuple[Floats, Floats]:
         """Expected gain of the bound from branching on each of ``columns``, downwards and upwards; their mean where nothing is known."""
         down = values - np.floor(values)
-        found = []
+        gains = []
         for side, distance in ((0, down), (1, 1.0 - down)):
             seen = self.seen[side]
             known = seen > 0
             mean = float((self.gain[side, known] / seen[known]).mean()) if known.any() else 1.0
             rate = np.where(known[columns], self.gain[side, columns] / np.maximum(seen[columns], 1), mean)
-            found.append(rate * distance)
-        return found[0], found[1]
+            gains.append(rate * distance)
+        return gains[0], gains[1]
 
 
 class _Tree(ProofTree[_Node]):
@@ -278,12 +278,12 @@ def branching_tree_bound(
     most = ENTRIES_PER_SECOND * stop.seconds_left
     if stop.reached() or problem.linear_entries() > most:
         return None
-    made = next((m for m in map(problem.compile, problem.forms()) if _takes(m)), None)
-    if made is None or len(made.program.data) > most:
+    compiled = next((m for m in map(problem.compile, problem.forms()) if _takes(m)), None)
+    if compiled is None or len(compiled.program.data) > most:
         return None
-    tree = _Tree(made, target, stop, 1 if linear is None else linear.seed)
+    tree = _Tree(compiled, target, stop, 1 if linear is None else linear.seed)
     tree.grow()
-    return tree.evidence(made.form)
+    return tree.evidence(compiled.form)
 
 
 def _takes(made: Compiled) -> bool:

@@ -52,14 +52,15 @@ def linear_relaxation_bound(problem: Problem, stop: Stop = NEVER, linear: Linear
     most = (FIRST_ORDER_ENTRIES_PER_SECOND if first_order else ENTRIES_PER_SECOND) * seconds
     if problem.linear_entries() > most:
         return None  # writing down a far too large one is not worth its time either
-    made = next((m for m in map(problem.compile, problem.forms()) if m.exactness.bound_is_valid and m.program.features() <= INTEGERS), None)
-    if made is None or made.dual_evidence is None or len(made.program.data) > most:
+    forms = map(problem.compile, problem.forms())
+    compiled = next((m for m in forms if m.exactness.bound_is_valid and m.program.features() <= INTEGERS), None)
+    if compiled is None or compiled.dual_evidence is None or len(compiled.program.data) > most:
         return None
-    found = linear.solve(made.relaxed().program, stop, FIRST_ORDER if first_order else INTERIOR_POINT)
-    duals = found.row_duals
-    evidence = None if duals is None or not np.isfinite(duals).all() else made.dual_evidence(duals)
-    if found.status == "infeasible" or (evidence is not None and not first_order and not math.isfinite(verified_bound(problem, evidence))):
-        return vertex(made, stop, linear.seed) or evidence
+    result = linear.solve(compiled.relaxed().program, stop, FIRST_ORDER if first_order else INTERIOR_POINT)
+    duals = result.row_duals
+    evidence = None if duals is None or not np.isfinite(duals).all() else compiled.dual_evidence(duals)
+    if result.status == "infeasible" or (evidence is not None and not first_order and not math.isfinite(verified_bound(problem, evidence))):
+        return vertex(compiled, stop, linear.seed) or evidence
     return evidence
 
 
@@ -77,12 +78,12 @@ def vertex(made: Compiled, stop: Stop, seed: int) -> Evidence | None:
     dearest, one_sided = float(np.abs(program.cost).max(initial=0.0)), np.isinf(program.upper).astype(float) - np.isinf(program.lower)
     for share in MARGINS:
         by = (-share if given.sense == "min" else share) * dearest * one_sided
-        found = LinearSession(program.with_costs(program.cost + by), seed).solve(stop)
+        result = LinearSession(program.with_costs(program.cost + by), seed).solve(stop)
         tried: list[Evidence] = []
-        if found.status == "optimal" and linear and made.dual_evidence is not None:
-            tried = [made.dual_evidence(units.duals(found.duals))]
-        elif found.ray is not None and made.ray_evidence is not None:
-            tried = [made.ray_evidence(units.duals(sign * found.ray)) for sign in (1.0, -1.0)]
+        if result.status == "optimal" and linear and made.dual_evidence is not None:
+            tried = [made.dual_evidence(units.duals(result.duals))]
+        elif result.ray is not None and made.ray_evidence is not None:
+            tried = [made.ray_evidence(units.duals(sign * result.ray)) for sign in (1.0, -1.0)]
         for evidence in tried:
             if verified_bound(made.problem, evidence) != nothing:
                 return evidence

@@ -243,7 +243,7 @@ def _short(data: Any) -> Any:
 
 
 def _size(data: Any) -> int:
-    """How many numbers there are in evidence."""
+    """The number of numbers in the data of evidence."""
     if isinstance(data, dict):
         return sum(map(_size, data.values()))
     if not isinstance(data, list):

@@ -19,8 +19,9 @@ from waybound.formulations.verified_bounds import proved_bound
 from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult
 from waybound.solvers.bounds import BOUNDS, BoundMethod
 from waybound.solvers.linear_programs import LinearPrograms
-from waybound.solving import bounding, search as searching, solve
-from waybound.solving.bounding import AT_ONCE, Beside, BoundWork, Goal, find_bounds, free_core
+from waybound.solving import bounding, search as searching
+from waybound.solving.bounding import AT_ONCE, Bounding, Goal, find_bounds, free_core
+from waybound.solving.recording import Recorder
 
 GRAPH = wb.SensingGraph.from_edges([0, 1], [0, 1], [0, 1], np.array([3.0, 2.0]))
 PROBLEM = wb.WinnerTakesAllSATA(GRAPH)
@@ -182,10 +183,10 @@ def test_where_the_data_prove_that_there_is_no_answer_none_is_searched(solver: s
 @pytest.mark.share(2)
 @pytest.mark.parametrize("given", [{"iterations": 50}, {"time_limit": 1.0, "bound_time": 0.0}])
 def test_nothing_is_proved_before_a_run_that_shall_repeat_or_that_asks_for_no_bound(monkeypatch, given) -> None:
-    monkeypatch.setattr("waybound.solving.solve.first_evidence", lambda *_: pytest.fail("asked"))
+    monkeypatch.setattr("waybound.solving.bounding.first_evidence", lambda *_: pytest.fail("asked"))
     if "bound_time" in given:
         monkeypatch.setattr(
-            "waybound.solving.solve.first_evidence",
+            "waybound.solving.bounding.first_evidence",
             lambda problem, seconds, linear, gap, uncompiled: ([], None) if seconds == 0 else pytest.fail("asked"),
         )
     assert wb.solve(wb.read("demo-tiny"), "pyvrp", **given).answer is not None
@@ -240,8 +241,8 @@ class Waits(Engine):
 def waits(registered, monkeypatch):
     """The engine, on a machine with a free core, with nothing proved before its search."""
     registered(BACKENDS, "waits", Waits)
-    monkeypatch.setattr(solve, "free_core", lambda threads: True)
-    monkeypatch.setattr(solve, "first_evidence", lambda problem, seconds, linear, gap, uncompiled: ([], goal(problem, [], gap)))
+    monkeypatch.setattr(bounding, "free_core", lambda threads: True)
+    monkeypatch.setattr(bounding, "first_evidence", lambda problem, seconds, linear, gap, uncompiled: ([], goal(problem, [], gap)))
     return Waits
 
 
@@ -273,7 +274,9 @@ def test_who_has_a_bound_does_not_wait_for_what_is_compiled_beside_the_search(wa
     problem = wb.read("demo-tiny")
     evidence = find_bounds(problem, HANG, at_once=True)
     monkeypatch.setattr(waits, "answer", wb.solve(problem, heuristic="savings", bound_time=0).answer)
-    monkeypatch.setattr(solve, "first_evidence", lambda problem, seconds, linear, gap, uncompiled: (evidence, goal(problem, evidence, gap)))
+    monkeypatch.setattr(
+        bounding, "first_evidence", lambda problem, seconds, linear, gap, uncompiled: (evidence, goal(problem, evidence, gap))
+    )
     release = threading.Event()
     monkeypatch.setattr("waybound.solving.bounding.run_in_process", lambda *_, **__: release.wait(10 * HANG))
     solution = wb.solve(problem, "waits", time_limit=0.1, bound_time=1.5)
@@ -285,7 +288,9 @@ def test_no_bound_is_waited_for_once_the_answer_is_proved(waits, monkeypatch):
     problem = wb.generate("random", seed=1, customers=4)
     evidence = find_bounds(problem, HANG, target=wb.solve(problem, "highs", bound_time=0).objective)
     monkeypatch.setattr(waits, "answer", wb.solve(problem, "highs").answer)
-    monkeypatch.setattr(solve, "first_evidence", lambda problem, seconds, linear, gap, uncompiled: (evidence, goal(problem, evidence, gap)))
+    monkeypatch.setattr(
+        bounding, "first_evidence", lambda problem, seconds, linear, gap, uncompiled: (evidence, goal(problem, evidence, gap))
+    )
     release = threading.Event()
     monkeypatch.setattr("waybound.solving.bounding.run_in_process", lambda *_, **__: release.wait(10 * HANG))
     solution = wb.solve(problem, "waits", time_limit=100 * HANG)
@@ -328,11 +333,13 @@ def test_an_answer_that_bounding_comes_across_beside_a_search_ends_it_where_it_i
 
 def test_the_end_of_a_wait_ends_the_bounding(waits):
     problem = wb.read("demo-tiny")
-    beside = Beside(BoundWork(problem, 10 * HANG, (), LinearPrograms()), goal(problem), Control())
+    beside = Bounding(problem, 10 * HANG, LinearPrograms(), Recorder(problem.senses))
+    beside.begin(Control(), Options())
+    assert beside.beside
     control = Control()
     control.stop()
     began = time.perf_counter()
-    beside.found(control)
+    beside.found_beside(control)
     assert time.perf_counter() - began < HANG
 
 

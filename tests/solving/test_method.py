@@ -286,6 +286,21 @@ def test_no_answer_is_worse_than_the_start() -> None:
     assert f"{found.solver} started from the answer of {NAME}" in found.message
 
 
+def test_a_program_begins_with_the_vector_of_the_answer_or_says_why_not(monkeypatch: pytest.MonkeyPatch) -> None:
+    for engine in (Portfolio, RuinRecreate):
+        monkeypatch.setattr(engine, "installed", classmethod(lambda cls: False))
+    compiled, given = default_run(star(), Options(), isolate=False).compiled, list[Options]()
+    assert compiled is not None
+    for name in BACKENDS:
+        monkeypatch.setattr(BACKENDS[name], "run", lambda self, program, options, control: given.append(options) or RawResult("unknown"))
+    with finding(ALONE):
+        found = solve(star(), time_limit=8.0, bound_time=0)
+    assert (found.answer, compiled.decode(given[0].start)) == (ALONE, ALONE) and given[0].time_limit < 8.0
+    with finding(Routes.of([range(1, 14)])):  # longer than any route may be
+        found = solve(star(), time_limit=8.0, bound_time=0)
+    assert given[1].start is None and "the start was not used: " in found.message
+
+
 @pytest.mark.parametrize(("answer", "words"), [(None, "no routes"), (RuntimeError("lost"), "RuntimeError: lost")])
 def test_without_a_start_the_solver_goes_on(answer: Any, words: str) -> None:
     with finding(answer):

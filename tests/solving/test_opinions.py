@@ -15,7 +15,7 @@ from waybound.formulations.solution import Opinion, status_line
 from waybound.instances.errors import CheckFailedError
 from waybound.solvers.backend import BACKENDS, Engine, RawResult
 from waybound.solvers.program_backend import ProgramBackend
-from waybound.solving import concluding, opinions
+from waybound.solving import concluding, method, opinions
 from waybound.solving.opinions import independent
 
 pytestmark = pytest.mark.usefixtures("without_trees")
@@ -144,7 +144,7 @@ def test_what_an_engine_claims_is_put_to_others_too(engine_says, monkeypatch, sa
 
 def test_an_optimum_of_an_engine_is_put_to_others_and_a_better_answer_refutes_it(engine_says, monkeypatch):
     monkeypatch.setattr(concluding.Conclusion, "gather_evidence", lambda *_: None)
-    monkeypatch.setattr("waybound.solving.solve.first_evidence", lambda *_: ([], None))
+    monkeypatch.setattr("waybound.solving.bounding.first_evidence", lambda *_: ([], None))
     agreed = wb.solve(COSTS, engine_says(RawResult("optimal", answer=(0, 1))), bound_time=60)
     assert (agreed.status, agreed.bound, agreed.bound_kind) == ("optimal", 2.0, "claimed")
     assert {o.verdict for o in agreed.opinions} == {"agrees"}
@@ -204,13 +204,13 @@ def test_an_opinion_whose_solver_crashes_costs_nothing(registered, says):
 @pytest.mark.parametrize(("given", "alone"), [({}, False), ({"isolate": True}, True), ({"memory_limit": 4000.0}, True)])
 def test_whoever_is_asked_keeps_to_the_isolation_of_the_first(monkeypatch, given, alone):
     asked: list[float | None] = []
-    inside = opinions.run_in_process
+    inside = method.run_in_process
     monkeypatch.setattr(
-        opinions, "run_in_process", lambda work, told, control: asked.append(told.memory_limit) or inside(work, told, control)
+        method, "run_in_process", lambda work, told, control: asked.append(told.memory_limit) or inside(work, told, control)
     )
     monkeypatch.setattr(opinions, "independent", lambda program, solver: ["scip"])
     assert wb.solve(KNAPSACK, "highs", **given).opinions[0].verdict == "agrees"
-    assert asked == ([given.get("memory_limit")] if alone else [])
+    assert asked == ([given.get("memory_limit")] * 2 if alone else [])
 
 
 def test_who_is_refuted_is_not_called_undecided():

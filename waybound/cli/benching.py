@@ -74,14 +74,14 @@ def bench(
             raise UsageError("--status runs nothing, so that there is nothing to do --again")
         if not status:
             done = _run(asked, cluster, jobs, again, quiet)
-    told = _Told(asked, _results(asked, path), path)
+    report = _Report(asked, _results(asked, path), path)
     if export is not None:
-        told.export(export)
+        report.export(export)
     if profile is not None:
-        told.write_profile(measure, profile)
+        report.write_profile(measure, profile)
     if page is not None:
-        told.write_page(against, page)
-    told.show(done, against, json)
+        report.write_page(against, page)
+    report.show(done, against, json)
 
 
 def _is_results(path: str) -> bool:
@@ -128,8 +128,8 @@ def _results(campaign: Campaign | None, path: Path) -> pd.DataFrame | None:
         return None  # the campaign was killed before there was a table
 
 
-class _Told:
-    """Results, and what is told of them."""
+class _Report:
+    """Results, and their output."""
 
     def __init__(self, campaign: Campaign | None, frame: pd.DataFrame | None, path: Path) -> None:
         from ..reports.campaigns.counting import counted
@@ -175,10 +175,10 @@ class _Told:
         failed = 0 if summary is None else sum(method.errors for method in summary.methods)
         faults = 0 if summary is None else summary.failed_checks
         if json:
-            told: dict[str, Any] = {"results": str(self.path), "planned": planned, "done": rows, "missing": planned - rows, "ran": done}
+            counts: dict[str, Any] = {"results": str(self.path), "planned": planned, "done": rows, "missing": planned - rows, "ran": done}
             methods = [] if summary is None else summary.to_json()
             paired = {} if tests is None else {"against": against, "tests": tests.to_dict("records")}
-            print_json({"schema": 1, **told, "errors": failed, "failed_checks": faults, "methods": methods, **paired})
+            print_json({"schema": 1, **counts, "errors": failed, "failed_checks": faults, "methods": methods, **paired})
         else:
             if summary is not None:
                 print_table(summary_table(summary))

@@ -54,7 +54,7 @@ def compare(
     if not names:
         raise UsageError("name what is to be compared: --solver NAME, --heuristic NAME, several times", "missing")
     bounded(time_limit=time_limit, bound_time=bound_time, seed=seed, threads=threads)
-    asked = source.read()
+    problem = source.read()
     check_outputs(source.inputs(), log, out=(out, TABLE_SUFFIXES), plot=(plot, PLOT_SUFFIXES))
     if plot is not None:
         check_matplotlib()
@@ -65,7 +65,7 @@ def compare(
     interrupts.keep()
     with Progress(quiet, log, logged=True) as progress, stdout_is_ours():
         comparison = by_all(
-            asked, names, time_limit=time_limit, bound_time=bound_time, seed=seed, threads=threads, isolate=isolate, progress=progress,
+            problem, names, time_limit=time_limit, bound_time=bound_time, seed=seed, threads=threads, isolate=isolate, progress=progress,
             log=progress.log,
         )  # fmt: skip
     delivery = Delivery(verbose)
@@ -88,20 +88,20 @@ def _before_and_after(first: Path, second: Path, out: Path | None, json: bool) -
     from ..reports.campaigns.regression import regression, regression_table
 
     check_outputs([str(first), str(second)], out=(out, TABLE_SUFFIXES))
-    made = regression(results(first), results(second))
+    changes = regression(results(first), results(second))
     if out is not None:
         import pandas as pd
 
-        table = pd.DataFrame(made.to_json()["changes"])
-        atomic_write(out, json_text(made.to_json()) if out.suffix.lower() == ".json" else table.to_csv(index=False))
+        table = pd.DataFrame(changes.to_json()["changes"])
+        atomic_write(out, json_text(changes.to_json()) if out.suffix.lower() == ".json" else table.to_csv(index=False))
     if json:
-        print_json(made.to_json())
+        print_json(changes.to_json())
     else:
-        print_table(regression_table(made))
-        for note in made.notes:
+        print_table(regression_table(changes))
+        for note in changes.notes:
             print_text(f"note: {note}")
-        print_text("worse beyond noise" if made.worse else "nothing is worse beyond noise")
-    raise typer.Exit(int(made.worse))
+        print_text("worse beyond noise" if changes.worse else "nothing is worse beyond noise")
+    raise typer.Exit(int(changes.worse))
 
 
 def _shown(comparison: Comparison) -> str:

@@ -52,10 +52,10 @@ def files(incomplete: str) -> list[str]:
     try:
         place = Path(f"{folder}/" if folder or incomplete.startswith("/") else ".").expanduser()
         above = incomplete[: len(incomplete) - len(start)]
-        found = [f"{above}{path.name}{'/' * path.is_dir()}" for path in sorted(place.iterdir()) if _offered(path.name, start)]
+        paths = [f"{above}{path.name}{'/' * path.is_dir()}" for path in sorted(place.iterdir()) if _offered(path.name, start)]
     except (OSError, ValueError, RuntimeError):
         return []
-    return files(found[0]) or found if len(found) == 1 and found[0].endswith("/") else found
+    return files(paths[0]) or paths if len(paths) == 1 and paths[0].endswith("/") else paths
 
 
 def _offered(name: str, start: str) -> bool:

@@ -46,15 +46,15 @@ def check(
     from ..api import check as verify
     from ..formulations.answers import read_answer
 
-    asked = source.read()
-    read = read_answer(asked, solution, form)
-    verdict = verify(asked, read.answer, certificate)
-    evaluation = asked.evaluate(read.answer)
+    problem = source.read()
+    read = read_answer(problem, solution, form)
+    verdict = verify(problem, read.answer, certificate)
+    evaluation = problem.evaluate(read.answer)
     notes = [*(f"{solution}: {note}" for note in read.notes), *_compare(read, evaluation)]
     if json:
         print_json(
             {
-                **_about(asked, verdict),
+                **_about(problem, verdict),
                 "solution": str(solution),
                 "stated_objective": read.stated,
                 "quantities": evaluation.quantities,
@@ -74,7 +74,8 @@ def check(
             lines.append(Line("stated", f"{number(read.stated)} in the file, {agrees}"))
         lines += [Line("note", note) for note in notes]
         lines += [Line(name, f"{value:.10g}", "quiet") for name, value in evaluation.quantities.items()] if verbose else []
-        print_lines(f"{solution}: a solution of {asked.name} ({verdict.problem}, {verdict.sense}, convention {verdict.convention})", lines)
+        kind = f"{verdict.problem}, {verdict.sense}, convention {verdict.convention}"
+        print_lines(f"{solution}: a solution of {problem.name} ({kind})", lines)
     raise typer.Exit(0 if verdict.feasible else 5)
 
 
@@ -119,7 +120,7 @@ def bound(
     bounded(bound_time=bound_time, seed=seed, threads=threads)
     if bound_time <= 0:
         raise UsageError(f"--bound-time must be positive, not {bound_time:g}", "out-of-range")
-    asked = source.read()
+    problem = source.read()
     output_path("--certificate", certificate, (".json",), unlike=source.inputs())
 
     from ..formulations.certificate_files import write_certificate
@@ -131,14 +132,14 @@ def bound(
     linear = linear_programs(lp_solver, seed, threads)
     interrupts.keep()
     with Progress(quiet) as progress, stdout_is_ours():
-        proved, evidence, seconds = bound_alone(asked, bound_time, linear, unable, progress)
+        proved, evidence, seconds = bound_alone(problem, bound_time, linear, unable, progress)
     for line in unable:
         remark(line)
     bounds = [proved.bound, *(level.bound for level in proved.levels)]
     sources = [proved.bound_source, *(level.source for level in proved.levels)]
     figures = {
-        **_about(asked, proved),
-        "bound": bounds[0] if len(asked.senses) == 1 or bounds[0] is None else [*bounds, *[None] * (len(asked.senses) - len(bounds))],
+        **_about(problem, proved),
+        "bound": bounds[0] if len(problem.senses) == 1 or bounds[0] is None else [*bounds, *[None] * (len(problem.senses) - len(bounds))],
         "bound_kind": None if proved.bound is None else "verified",
         "bound_source": ", then ".join(map(str, sources)) if proved.levels else proved.bound_source,
         "infeasible": proved.infeasible,
@@ -156,7 +157,7 @@ def bound(
         others = [e for e in evidence if e not in proved.evidence]
         lines += [Line("also", f"{e.value:.10g}: {e.source}" if math.isfinite(e.value) else e.source, "quiet") for e in others]
         lines.append(Line("seconds", f"{seconds:.2f}", "quiet"))
-        return lines_text(f"{asked.name}: {proved.problem}, {proved.sense}, convention {proved.convention}", lines)
+        return lines_text(f"{problem.name}: {proved.problem}, {proved.sense}, convention {proved.convention}", lines)
 
     delivery = Delivery(verbose)
     delivery.file("--certificate", certificate, lambda path: write_certificate(proved, path))
@@ -176,19 +177,19 @@ def explain(
     Exit code 3 if there is no solution, 0 if there is one, 4 if neither was found out.
     """
     bounded(time_limit=time_limit)
-    asked = source.read()
+    problem = source.read()
 
     from ..solving.explaining import explain as find
 
     interrupts.keep()
     with stdout_is_ours():
-        explanation = find(asked, time_limit=time_limit, form=form)
+        explanation = find(problem, time_limit=time_limit, form=form)
     if json:
-        print_json({"instance": asked.name, "problem": asked.problem, **explanation.to_json()})
+        print_json({"instance": problem.name, "problem": problem.problem, **explanation.to_json()})
     else:
         from ..reports.tables.table import Column, Table
 
-        print_lines(f"{asked.name}: {asked.problem}", explanation.lines())
+        print_lines(f"{problem.name}: {problem.problem}", explanation.lines())
         if explanation.reasons:
             columns = (Column(explanation.reasons[0].kind), Column("reason", wide=True))
             title = f"Reasons (rows of form {explanation.form})" if explanation.form else "Reasons"

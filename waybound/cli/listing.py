@@ -1,4 +1,4 @@
-"""``waybound info, solvers, heuristics, instances``: what an instance holds, who can take it, and who can be believed."""
+"""``waybound info, solvers, heuristics, instances``: what an instance holds, the methods that take it, and what they guarantee."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ def info(source: Source, json: Json = False, verbose: Verbose = False) -> None:
     from ..reports.tables.listing import heuristics_table, solvers_table
     from ..solving.listing import heuristic_table, solver_table
 
-    instance, asked = source.read_both()
-    data = facts(asked)
-    able, approximate = solver_table(asked), heuristic_table(asked)
+    instance, problem = source.read_both()
+    data = facts(problem)
+    able, approximate = solver_table(problem), heuristic_table(problem)
     if json:
         listed = {"solvers": [dataclasses.asdict(i) for i in able], "heuristics": [dataclasses.asdict(i) for i in approximate]}
         print_json({"format": instance.format, "problems": list(instance.problems), **data, **listed})
@@ -84,7 +84,7 @@ def solvers(
 
 def heuristics(
     file: Annotated[
-        str | None, arg("[FILE]", "Ask about this instance: who takes it, and what the others lack.", completing.instances)
+        str | None, arg("[FILE]", "Ask about this instance: which solvers take it, and what the others lack.", completing.instances)
     ] = None,
     format: Format = None,  # noqa: A002
     problem: ProblemName = None,
@@ -148,7 +148,7 @@ def _examine(
 
 
 def _examined(names: Sequence[str], draw: Draw, own: dict[str, Any], quiet: bool) -> list[Examination]:
-    """Ctrl-C ends the examination under way, which then brings what it has; a second one is not begun after it."""
+    """Examine the solvers one by one; Ctrl-C ends the examination under way, keeps its results, and begins no further one."""
     from ..reports.battery.examining import examine
 
     examinations: list[Examination] = []
@@ -202,7 +202,7 @@ def list_all(json: Json = False, verbose: Verbose = False) -> None:
 @instances.command()
 @handled
 def path(name: Name, verbose: Verbose = False) -> None:
-    """Where a bundled instance lies."""
+    """Print the path of a bundled instance."""
     from ..instances.bundled import bundled_path
 
     print_text(str(bundled_path(name)))

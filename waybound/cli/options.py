@@ -51,7 +51,7 @@ Set = Annotated[
 ]
 Seed = Annotated[int, opt("--seed N", "The same seed gives the same answer, where no time limit decides.")]
 Threads = Annotated[int, opt("--threads N", "Threads that a solver may use, where it can use several.")]
-LpSolver = Annotated[str | None, opt("--lp-solver NAME", "Who solves the linear programs met on the way; highs by default.", "solver")]
+LpSolver = Annotated[str | None, opt("--lp-solver NAME", "Solver of linear programs within methods; highs by default.", "solver")]
 Json = Annotated[bool, opt("--json", "Print one JSON object and nothing else on standard output.")]
 Verbose = Annotated[bool, opt("--verbose -v", "Say more; tracebacks of internal errors.")]
 Quiet = Annotated[bool, opt("--quiet -q", "No progress.")]

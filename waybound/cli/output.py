@@ -102,7 +102,7 @@ def print_lines(title: str, lines: Sequence[Line]) -> None:
 
 
 def print_text(text: str = "") -> None:
-    """One line."""
+    """Print a line of text."""
     from ..instances.printable import printable
 
     write_out(printable(text) + "\n")

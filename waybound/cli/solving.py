@@ -74,11 +74,11 @@ def solve(
         no_improvement=no_improvement, seed=seed, threads=threads,
     )  # fmt: skip
     options = parse_pairs(option, "--option")
-    asked = source.read()
+    problem = source.read()
     check_outputs(
         source.inputs(), log, out=(out, ()), certificate=(certificate, (".json",)), plot=(plot, PLOT_SUFFIXES), page=(page, PAGE_SUFFIXES)
     )
-    _check_answer(asked, out, plot, view)
+    _check_answer(problem, out, plot, view)
     if page is not None:
         check_matplotlib("--page")
 
@@ -87,19 +87,19 @@ def solve(
     from ..formulations.json_text import json_text
 
     if not quiet:
-        for note in asked.remarks() if json else ():
+        for note in problem.remarks() if json else ():
             remark(note)
     begin = None
     if start is not None:
-        read = read_answer(asked, start)
+        read = read_answer(problem, start)
         begin = read.answer
         for note in read.notes:
             remark(f"{start}: {note}")
     interrupts.keep()
     with Progress(quiet, log, logged=True) as progress, stdout_is_ours():
         solution = search(
-            asked, solver, heuristic=heuristic, form=form, relax=relax, time_limit=time_limit, bound_time=bound_time, iterations=iterations,
-            gap=gap, seed=seed, threads=threads, start=begin, progress=progress, log=progress.log, isolate=isolate,
+            problem, solver, heuristic=heuristic, form=form, relax=relax, time_limit=time_limit, bound_time=bound_time, gap=gap,
+            iterations=iterations, seed=seed, threads=threads, start=begin, progress=progress, log=progress.log, isolate=isolate,
             memory_limit=memory_limit, no_improvement=no_improvement, lp_solver=lp_solver, options=options,
         )  # fmt: skip
     delivery = Delivery(verbose)

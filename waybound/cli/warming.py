@@ -24,8 +24,8 @@ def warm(names: _Names = None, quiet: Quiet = False, verbose: Verbose = False) -
     for name in names or ():
         if not any(name in one.title for one in every):
             raise UsageError(f"no loop is named like {name!r}; without names all are compiled", "unknown-name")
-    asked = [one for one in every if not names or any(name in one.title for name in names)]
-    missing = [one for one in asked if not one.kept()]
+    chosen = [one for one in every if not names or any(name in one.title for name in names)]
+    missing = [one for one in chosen if not one.kept()]
     with contextlib.ExitStack() as stack:
         tell = _bar(stack, len(missing)) if missing and not quiet and sys.stderr.isatty() else None
         for one in missing:
@@ -36,15 +36,15 @@ def warm(names: _Names = None, quiet: Quiet = False, verbose: Verbose = False) -
                 print_text(one.title)
     if missing:
         many = f"{len(missing)} loop{'s' if len(missing) != 1 else ''} compiled in {time.perf_counter() - began:.1f} s"
-        print_text(f"{many}, {len(asked) - len(missing)} were ready")
+        print_text(f"{many}, {len(chosen) - len(missing)} were ready")
     else:
-        print_text(f"ready before: {len(asked)} loop{'s' if len(asked) != 1 else ''}, nothing to compile")
+        print_text(f"ready before: {len(chosen)} loop{'s' if len(chosen) != 1 else ''}, nothing to compile")
     if not all(one.cached() for one in missing):
         print_text("they are not kept: no folder for them can be written, and NUMBA_CACHE_DIR names none")
 
 
 def _bar(stack: contextlib.ExitStack, count: int) -> Callable[[str], None]:
-    """A progress bar on standard error, told which loop comes next."""
+    """A progress bar on standard error, which names the loop that comes next."""
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 

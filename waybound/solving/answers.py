@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from ..formulations.answers import answer_in_json, read_answer, taken_by
-from ..formulations.evaluation import Evaluation
+from ..formulations.answers import answer_in_json, read_answer
+from ..formulations.evaluation import Evaluation, input_errors
 from ..formulations.problem import Problem
 from ..formulations.programs.solved_models import solved_model
 from ..formulations.solution import Solution
@@ -18,7 +18,7 @@ from ..instances.errors import InputError, UsageError
 
 
 def answer_given(problem: Problem, given: Any, called: str, form: str | None = None) -> tuple[Any, tuple[str, ...]]:
-    """The answer of ``problem`` that ``given`` says, and what a user should be told about the reading.
+    """Read ``given`` as an answer of ``problem``; returns the answer, and notes on the reading for the user.
 
     Raises UsageError if it is none of these; InputError if the file or the model is no solution of the problem; with file and, where there
     is one, line.
@@ -49,7 +49,7 @@ def answer_given(problem: Problem, given: Any, called: str, form: str | None = N
             raise InputError(f"{called} {error.message}", error.code, expected=error.expected, found=error.found) from None
         return answer, (f"{called}: a solution of {solved.solver} to the form {name}",)
     try:
-        with taken_by(problem):
+        with input_errors(problem.problem):
             if isinstance(given, Solution):
                 given = given.answer if given.problem is problem else given.to_json()  # which speaks of sites by name
             if isinstance(given, Mapping):
@@ -69,16 +69,16 @@ def start_given(problem: Problem, given: Any) -> tuple[Any, tuple[str, ...]]:
 
     Raises UsageError for an answer that can only be one of another instance, too.
     """
-    start, told = answer_given(problem, given, "the start")
+    start, notes = answer_given(problem, given, "the start")
     if start is None:
-        return None, told
+        return None, notes
     foreign = True
     try:
-        with taken_by(problem):
+        with input_errors(problem.problem):
             problem.check_start(start)
             foreign = False
             problem.evaluate(start)
-            return problem.searched_from(start), told
+            return problem.searched_from(start), notes
     except (InputError, UsageError) as error:
         fault = "is for another instance" if foreign else "cannot be read"
         raise UsageError(f"the start {fault}: {error}", "foreign" if foreign else error.code) from error.__cause__
@@ -86,5 +86,5 @@ def start_given(problem: Problem, given: Any) -> tuple[Any, tuple[str, ...]]:
 
 def evaluated(problem: Problem, answer: Any) -> Evaluation:
     """The judge's verdict on an answer that a user gave; raises InputError where it cannot be judged."""
-    with taken_by(problem):
+    with input_errors(problem.problem):
         return problem.evaluate(answer)

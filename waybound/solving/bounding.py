@@ -1,4 +1,4 @@
-"""Verified bounds of a problem: what is there before a search, beside it, and after it, every method that applies, within a budget."""
+"""Verified bounds of a problem: before a search, beside it, and after it by every method that applies, within a budget."""
 
 from __future__ import annotations
 
@@ -6,7 +6,7 @@ import math
 import os
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from typing import Any, ClassVar, Literal
@@ -22,6 +22,7 @@ from ..solvers.backend import Control, Options, RawResult
 from ..solvers.bounds import BOUNDS, BoundMethod, replaced
 from ..solvers.isolation import run_in_process
 from ..solvers.linear_programs import LinearPrograms
+from .recording import Recorder
 from .search import BOUND_OVERTIME, Searched, search
 
 AT_ONCE = 0
@@ -64,7 +65,7 @@ def find_bounds(
     answer : optional
         That answer, where it is at hand: its parts help some methods.
     known : sequence of Evidence
-        What was found already, by whoever made the answer.
+        Evidence that is there already, such as that of the search.
     control : Control, optional
         Stops between and inside methods; the evidence is published to it, and the best answer that a method comes across.
     progress : callable, optional
@@ -72,7 +73,7 @@ def find_bounds(
     unable : list of str, optional
         Receives a line for each method that failed; the others are tried all the same.
     linear : LinearPrograms, optional
-        Who solves linear programs, with which seed and threads.
+        The solver for linear programs, with seed and threads.
     searching : bool
         Whether methods may search (``BoundMethod.aims``): these take all the time that there is.
     at_once : bool
@@ -84,17 +85,14 @@ def find_bounds(
     uncompiled : list of str, optional
         Receives the names of these.
     """
-    found: list[Evidence] = []
+    found: dict[str, Evidence] = {}
     failed: list[str] = [] if unable is None else unable
     if bound_time <= 0:
-        return found
-    control = control or Control()
-    linear = linear or LinearPrograms()
+        return []
+    control, linear = control or Control(), linear or LinearPrograms()
     methods = able_methods(problem, failed, searching=searching)
     stop = Stop(bound_time)  # from here on: listing imports them all
     control.on_stop(stop.ask)
-    places = {method.name: place for place, method in enumerate(methods)}
-    by: dict[int, int] = {}
 
     def settled(method: BoundMethod, within: Stop) -> bool:
         """Whether what the method finds leaves nothing to look for."""
@@ -109,29 +107,38 @@ def find_bounds(
             return False
         if evidence is None:
             return False
-        by[id(evidence)] = places[method.name]
-        found.append(evidence)
-        control.publish(evidence=tuple(found))
+        found[method.name] = evidence
+        control.publish(evidence=tuple(found.values()))
         if progress is not None:
             seconds = bound_time - stop.seconds_left
             progress({"phase": "bound", "seconds": seconds, "objective": target, "bound": evidence.value, "source": evidence.source})
         return evidence.kind in ENDLESS or reaches(evidence)
 
     def reaches(evidence: Evidence) -> bool:
-        """Whether what it proves, and not only what is said of it, is worth as much as the target."""
+        """Whether the bound that its checker derives, not only the one it states, reaches the target."""
         if target is None or not same(evidence.value, target):
             return False
         bound = proved_bound(problem, evidence)
         return bound is not None and same(bound, target)
 
-    if any(map(reaches, known)):
-        return found
-    for method in (m for m in methods if m.order <= AT_ONCE):
-        if control.stopped or settled(method, stop):
-            return found
-    if at_once or stop.reached():
-        return found
+    if not any(map(reaches, known)):
+        for method, within in _turns(methods, stop, control, bound_time, at_once, compiling, failed, uncompiled):
+            if settled(method, within):
+                break
+    return [found[method.name] for method in methods if method.name in found]
 
+
+def _turns(
+    methods: list[BoundMethod], stop: Stop, control: Control, bound_time: float, at_once: bool, compiling: str, failed: list[str],
+    uncompiled: list[str] | None,
+) -> Iterator[tuple[BoundMethod, Stop]]:  # fmt: skip
+    """The methods in the order of their turns, each with the end of its time; the parameters are those of ``find_bounds``."""
+    for method in (m for m in methods if m.order <= AT_ONCE):
+        if control.stopped:
+            return
+        yield method, stop
+    if at_once or stop.reached():
+        return
     others = [m for m in methods if m.order > AT_ONCE]
     late = _late(others, failed)
     if uncompiled is not None:
@@ -141,16 +148,14 @@ def find_bounds(
     for method in {"never": others, "last": others + late, "first": late + others}[compiling]:
         within = stop if method in late else share
         if stop.reached():
-            break
+            return
         if within.reached() or (method in late and stop.seconds_left < min(1.0, 0.4 * bound_time)):  # not worth a compiler
             continue
-        if settled(method, within):
-            break
-    return sorted(found, key=lambda evidence: by[id(evidence)])
+        yield method, within
 
 
 def _late(methods: list[BoundMethod], failed: list[str]) -> list[BoundMethod]:
-    """The methods whose loops were never compiled; methods that fail to tell are taken out of ``methods``."""
+    """The methods whose loops were never compiled; a method that raises an error here is removed from ``methods``."""
     late: list[BoundMethod] = []
     for method in tuple(methods):
         try:
@@ -192,14 +197,14 @@ def bounded(problem: Problem, seconds: float, **settings: Any) -> Searched:
 def first_evidence(
     problem: Problem, seconds: float, linear: LinearPrograms | None = None, most: float = 0.0, uncompiled: list[str] | None = None
 ) -> tuple[list[Evidence], Goal | None]:
-    """Evidence found within ``seconds``, and the goal that it sets, ``most`` being the gap that is asked for; large problems set none.
+    """Evidence found within ``seconds``, and the goal that it sets for a search with the gap ``most``; large problems set none.
 
     Nothing is compiled for it: ``uncompiled`` receives the names of the methods that this leaves out.
     """
     large = problem.size > LARGEST
     try:
-        found = bounded(problem, seconds, linear=linear, searching=False, at_once=large, compiling="never", uncompiled=uncompiled)
-        evidence = list(found.result.evidence)
+        searched = bounded(problem, seconds, linear=linear, searching=False, at_once=large, compiling="never", uncompiled=uncompiled)
+        evidence = list(searched.result.evidence)
         if large:
             return evidence, None
         certificate = certify(problem, None, evidence)
@@ -226,7 +231,7 @@ class Goal:
         """Whether it is proved that there is no answer."""
         return self.certificate.infeasible
 
-    def told(self) -> dict[str, Any]:
+    def event(self) -> dict[str, Any]:
         """The event of the best bound that was checked so far."""
         worst = math.inf if self.problem.sense == "min" else -math.inf
         bound = worst if self.infeasible else self.certificate.bound
@@ -241,7 +246,7 @@ class Goal:
         return self.reached
 
     def met(self, value: float | None) -> bool:
-        """Whether ``value`` is that of the bound, or nobody can have any."""
+        """Whether ``value`` meets the bound, or there is no answer at all."""
         known = self.certificate.bound
         return self.infeasible or (value is not None and known is not None and same(value, known))
 
@@ -277,34 +282,58 @@ class BoundWork:
         return RawResult("unknown", statistics={"unable": unable})
 
 
-class Beside:
-    """Bounds a problem while ``searched`` is the line to the search for its answer, which ends when nothing is left to gain; so it does
-    where bounding comes across a best answer, if ``competing``.
+class Bounding:
+    """Bounds of a problem within one budget: the quick ones before its search, the others beside it where a core is free.
 
-    Parameters
-    ----------
-    progress : callable, optional
-        Receives an event for each bound found.
+    ``budget`` is in seconds, and 0 once it is proved that there is no answer.
 
     Attributes
     ----------
+    first, seconds : list of Evidence, float
+        Found, and spent, before the search.
+    goal : Goal or None
+        Ends the search where it is set.
+    beside : bool
+        Whether bounding goes on beside the search.
     line : Control
-        The line to bounding, with the evidence, and the best answer that a method came across.
+        The line to it, with the evidence, and the best answer that a method came across.
     fault : str
         What kept it from beginning, such as a problem that cannot be sent to another process; empty if nothing did.
     unable : list of str
         A line for each method that failed.
     """
 
-    def __init__(
-        self, work: BoundWork, goal: Goal, searched: Control, progress: Callable[[dict[str, Any]], None] | None = None,
-        competing: bool = False,
-    ) -> None:  # fmt: skip
-        self._goal, self._searched, self._tell, self._done = goal, searched, progress, threading.Event()
-        self._competing, self._begun, self._told = competing, False, 0
+    def __init__(self, problem: Problem, budget: float, linear: LinearPrograms, record: Recorder) -> None:
+        self.problem, self.budget, self.linear, self._record = problem, budget, linear, record
+        self.first, self.seconds, self.beside, self.fault, self.unable = list[Evidence](), 0.0, False, "", list[str]()
+        self.goal: Goal | None = None
         self.line = Control(self._heard)
-        self.fault, self.unable = "", list[str]()
-        threading.Thread(target=self._run, args=(work,), name="waybound-bounds", daemon=True).start()
+        self._done, self._begun, self._told, self._lines = threading.Event(), False, 0, list[Control]()
+
+    def begin(self, searched: Control, options: Options, competing: bool = False) -> None:
+        """Find the quick bounds, and go on beside the search, whose line is ``searched``: it ends when nothing is left to gain.
+
+        So it does where bounding comes across a best answer, if ``competing``.
+        """
+        began, most, uncompiled = time.perf_counter(), min(FIRST_SECONDS, self.budget), list[str]()
+        if self.budget > 0:
+            self._record.begin_phase("bound", most)
+        self.first, self.goal = first_evidence(self.problem, most, self.linear, options.gap, uncompiled)
+        searched.goal, self._lines = self.goal, [searched, self.line] if competing else [searched]
+        if self.goal is not None and self.first:
+            self._record.of_bounds(self.goal.event())
+        if self.no_answer:
+            self.budget = 0.0
+        elif self.goal is not None and (self.budget > FIRST_SECONDS or (self.budget > 0 and uncompiled)) and free_core(options.threads):
+            self.beside = True
+            work = BoundWork(self.problem, self.budget, tuple(self.first), self.linear)
+            threading.Thread(target=self._run, args=(work,), name="waybound-bounds", daemon=True).start()
+        self.seconds = time.perf_counter() - began
+
+    @property
+    def no_answer(self) -> bool:
+        """Whether it is proved that there is no answer."""
+        return self.goal is not None and self.goal.infeasible
 
     def _run(self, work: BoundWork) -> None:
         try:
@@ -315,32 +344,27 @@ class Beside:
         finally:
             self._done.set()
 
-    @property
-    def evidence(self) -> list[Evidence]:
-        """All that was found so far."""
-        return list(self.line.evidence)
-
     def _heard(self, event: dict[str, Any]) -> None:
-        self._begun, evidence = True, self.evidence
-        if len(evidence) > self._told and self._tell is not None:
-            told = {"phase": "bound", "seconds": event["seconds"], "objective": self._searched.objective}
-            self._tell({**told, "bound": evidence[-1].value, "source": evidence[-1].source})
+        self._begun, evidence, goal = True, self.line.evidence, self.goal
+        assert goal is not None
+        if len(evidence) > self._told:
+            self._record.of_bounds({"bound": evidence[-1].value, "source": evidence[-1].source})
         with suppress(Exception):  # a checker that fails is told when the certificate is made
             if len(evidence) > self._told:
                 self._told = len(evidence)
-                self._goal.learn(evidence)
-            held = [self._searched, self.line] if self._competing else [self._searched]
-            if self._goal.infeasible or any(line.answer is not None and self._goal(line.answer, line.objective) for line in held):
-                self._searched.stop()
+                goal.learn(evidence)
+            if goal.infeasible or any(line.answer is not None and goal(line.answer, line.objective) for line in self._lines):
+                self._lines[0].stop()
 
-    def found(self, control: Control, best: float | None = None, patience: float = math.inf) -> list[Evidence]:
+    def found_beside(self, control: Control, best: float | None = None) -> tuple[Evidence, ...]:
         """All evidence, once the budget is spent, ``control`` asks for the end, or nothing is left to gain for an answer worth ``best``.
 
-        Who has a verified bound waits ``patience`` seconds at most, whatever is being compiled: the next run goes on where this one ended.
+        With a verified bound it waits no longer than the budget, whatever is being compiled: the next run finds it compiled.
         """
-        over = time.perf_counter() + patience
-        while not (self._done.wait(_TICK) or control.stopped or self._goal.met(best)):
-            if self._goal.certificate.bound is not None and time.perf_counter() > over:
+        over, goal = time.perf_counter() + self.budget, self.goal
+        assert goal is not None
+        while not (self._done.wait(_TICK) or control.stopped or goal.met(best)):
+            if goal.certificate.bound is not None and time.perf_counter() > over:
                 break
         self.line.stop()
-        return self.evidence
+        return self.line.evidence

@@ -1,4 +1,4 @@
-"""Makes a solution of what a search left behind: nothing is believed that was not checked."""
+"""Makes a solution of the result of a search: nothing is believed that was not checked."""
 
 from __future__ import annotations
 
@@ -22,8 +22,7 @@ from ..formulations.tolerance import EQUAL, same
 from ..formulations.verified_bounds import better_bound, proved_bound
 from ..instances.errors import CheckFailedError, in_words
 from ..solvers.backend import Control, Options, RawResult
-from ..solvers.linear_programs import LinearPrograms
-from .bounding import Beside, bounded
+from .bounding import Bounding, bounded
 from .judging import Claim, Judge, contradictions
 from .levels import bounds_of_levels, further_levels
 from .method import Run
@@ -33,8 +32,8 @@ from .search import Searched, in_time, search
 
 
 def conclude(
-    problem: Problem, run: Run, searched: Searched, control: Control, options: Options, budget: float, record: Recorder,
-    crash: Exception | None, first: list[Evidence], beside: Beside | None,
+    problem: Problem, run: Run, searched: Searched, control: Control, options: Options, bounding: Bounding, record: Recorder,
+    crash: Exception | None,
 ) -> Solution:  # fmt: skip
     """Believe nothing: decode and judge every answer, bound, certify, and only then say how it ended.
 
@@ -45,29 +44,25 @@ def conclude(
     ----------
     control : Control
         The line to the search, with the last answer that it published.
-    budget : float, seconds
-        For bounding and second opinions.
+    bounding : Bounding
+        What was found before the search, and what is found beside it; its budget is that of second opinions, too.
     crash : Exception, optional
         What ended the search before it left anything.
-    first : list of Evidence
-        What was found before the search.
-    beside : Beside, optional
-        What bounds beside the search.
     """
     began = time.perf_counter()
     try:
-        conclusion = _judged(problem, run, searched, control, options, crash)
+        conclusion = _judged(problem, run, searched, control, options, bounding, crash)
     except KeyboardInterrupt:  # asks for an end, not for the loss of the answer; a second one is heeded
-        conclusion = _judged(problem, run, searched, control, options, crash)
+        conclusion = _judged(problem, run, searched, control, options, bounding, crash)
     conclusion.seconds["check"] = time.perf_counter() - began
     verdict = replace(conclusion, seconds=dict(conclusion.seconds))
     if conclusion.best is not None:
         record.judged(run.name, conclusion.best.values)
     try:
-        conclusion.gather_evidence(first, budget, record, beside)
+        conclusion.gather_evidence(record)
         conclusion.verify(record)
-        conclusion.bound_later_levels(budget, record)
-        conclusion.hear_others(budget)
+        conclusion.bound_later_levels(record)
+        conclusion.hear_others()
         return conclusion.solution()
     except CheckFailedError:  # and no answer
         raise
@@ -77,7 +72,9 @@ def conclude(
         return verdict.solution()
 
 
-def _judged(problem: Problem, run: Run, searched: Searched, control: Control, options: Options, crash: Exception | None) -> Conclusion:
+def _judged(
+    problem: Problem, run: Run, searched: Searched, control: Control, options: Options, bounding: Bounding, crash: Exception | None
+) -> Conclusion:
     """The best of the engine's last word, its published incumbent and the start, before anything bounds it."""
     result = searched.result
     exactness = Exactness.NEITHER if run.heuristic else run.exactness.then(result.holds)
@@ -90,7 +87,7 @@ def _judged(problem: Problem, run: Run, searched: Searched, control: Control, op
     if result.status == "error" and best is not None:  # what is left is not from this search
         why = result.message if crash is None else in_words(crash)
         judge.faults.append(f"{run.name} failed: {why or 'it does not say why'}")
-    return Conclusion(judge, run, searched, options, answer, best)
+    return Conclusion(judge, run, searched, options, bounding, answer, best)
 
 
 @dataclass
@@ -117,6 +114,7 @@ class Conclusion:
     run: Run
     searched: Searched
     options: Options
+    bounding: Bounding
     answer: Any
     best: Evaluation | None
     certificate: Certificate = field(init=False)
@@ -135,29 +133,25 @@ class Conclusion:
     def problem(self) -> Problem:
         return self.judge.problem
 
-    @property
-    def linear(self) -> LinearPrograms:
-        return LinearPrograms(self.options.lp_solver, self.options.seed, self.options.threads)
-
     # -- the steps --------------------------------------------------------------------------------------------------------
 
-    def gather_evidence(self, first: list[Evidence], budget: float, record: Recorder, beside: Beside | None) -> None:
+    def gather_evidence(self, record: Recorder) -> None:
         """Collect what was found before the search, what the search leaves, and what bounding finds where that proves nothing."""
         began = time.perf_counter()
-        self.evidence = list(first)
+        self.evidence = list(self.bounding.first)
         try:
             self._from_the_search()
             if self.searched.interrupted:
-                self.evidence.extend([] if beside is None else beside.evidence)
-                self._hear_bounding(None if beside is None else beside.line.answer, record)
+                self.evidence.extend(self.bounding.line.evidence)
+                self._hear_bounding(self.bounding.line.answer, record)
             elif not self._search_proves():
-                self._from_bounding(budget, record, beside)
+                self._from_bounding(record)
         except (Exception, KeyboardInterrupt) as fault:
             self.run.notes.append(f"no further bound was looked for: {in_words(fault)}")
         self.seconds["bound"] += time.perf_counter() - began
 
     def _from_the_search(self) -> None:
-        """Its own evidence, and what the duals of a program prove."""
+        """Collect the search's own evidence, and that of the duals of its program."""
         result, compiled = self.searched.result, self.run.compiled
         self.evidence.extend(result.evidence)
         if compiled is not None and result.row_duals is not None and compiled.dual_evidence is not None:
@@ -178,27 +172,28 @@ class Conclusion:
                 return True
         return False
 
-    def _from_bounding(self, budget: float, record: Recorder, beside: Beside | None) -> None:
+    def _from_bounding(self, record: Recorder) -> None:
         """Add the evidence that was found beside the search; without such a run, or where it could not begin, look for bounds now."""
         target, known, notes = None if self.best is None else self.best.values[0], tuple(self.evidence), self.run.notes
-        if budget > 0:
-            record.begin_phase("bound", budget)
-        if beside is not None:  # it keeps the time itself, without what it compiles
-            seen = search(lambda control: RawResult("unknown", answer=beside.found(control, target, budget)), Control(), math.inf)
+        bounding = self.bounding
+        if bounding.budget > 0:
+            record.begin_phase("bound", bounding.budget)
+        if bounding.beside:  # it keeps the time itself, without what it compiles
+            seen = search(lambda control: RawResult("unknown", answer=bounding.found_beside(control, target)), Control(), math.inf)
             self.evidence.extend(seen.result.answer or [])
-            self._hear_bounding(beside.line.answer, record)
-            notes.extend(beside.unable)
+            self._hear_bounding(bounding.line.answer, record)
+            notes.extend(bounding.unable)
             if seen.interrupted:
                 notes.append("bounding ended early: interrupted")
-            if seen.interrupted or not beside.fault:
+            if seen.interrupted or not bounding.fault:
                 return
-        progress, linear = record.of_bounds, self.linear
-        held = {"target": target, "answer": None if target is None else self.answer}
-        bounding = bounded(self.problem, budget, known=known, progress=progress, unable=notes, linear=linear, **held)
-        self.evidence.extend(bounding.result.evidence)
-        self._hear_bounding(bounding.result.answer, record)
-        if bounding.interrupted or bounding.result.message:
-            notes.append(f"bounding ended early: {bounding.result.message or 'interrupted'}")
+        best: dict[str, Any] = {"target": target, "answer": None if target is None else self.answer}
+        hearing: dict[str, Any] = {"progress": record.of_bounds, "unable": notes}
+        seen = bounded(self.problem, bounding.budget, known=known, linear=bounding.linear, **best, **hearing)
+        self.evidence.extend(seen.result.evidence)
+        self._hear_bounding(seen.result.answer, record)
+        if seen.interrupted or seen.result.message:
+            notes.append(f"bounding ended early: {seen.result.message or 'interrupted'}")
 
     def _hear_bounding(self, found: Any, record: Recorder) -> None:
         """Let an answer that bounding came across compete with that of an engine; not where work is limited, which shall repeat to the bit:
@@ -213,7 +208,7 @@ class Conclusion:
             self.run.notes.append("the answer was found while its bound was looked for")
 
     def verify(self, record: Recorder) -> None:
-        """Ask the checkers what the evidence and the guarantee are worth; what contradicts the answer is a fault."""
+        """Have the checkers derive bounds from the evidence and the guarantee; a bound that contradicts the answer is a fault."""
         began = time.perf_counter()
         record.begin_phase("check")
         guarantee = self.searched.result.guarantee if self.best is not None else None
@@ -233,27 +228,26 @@ class Conclusion:
             self.judge.faults.append(f"{fault} (the bound is withheld)")
         return certify(self.problem, self.best)
 
-    def bound_later_levels(self, budget: float, record: Recorder) -> None:
-        """Bound what comes after the first priority of the objective, in the time that is left."""
-        began, left = time.perf_counter(), budget - self.seconds["bound"]
-        if len(self.problem.senses) > 1 and self.best is not None and left > 0.0 and not self.searched.interrupted:
+    def bound_later_levels(self, record: Recorder) -> None:
+        """Bound the levels after the first priority of the objective, in the time that is left."""
+        began, seconds_left = time.perf_counter(), self.bounding.budget - self.seconds["bound"]
+        if len(self.problem.senses) > 1 and self.best is not None and seconds_left > 0.0 and not self.searched.interrupted:
             try:
-                self.certificate = further_levels(
-                    self.problem, self.certificate, self.best, left, self.linear, self.run.notes, record.begin_phase
-                )
+                known = self.problem, self.certificate, self.best, seconds_left
+                self.certificate = further_levels(*known, self.bounding.linear, self.run.notes, record.begin_phase)
             except CheckFailedError as fault:
                 self.judge.faults.append(f"{fault} (the bound is withheld)")
         self.seconds["check"] += time.perf_counter() - began
 
-    def hear_others(self, budget: float) -> None:
+    def hear_others(self) -> None:
         """Ask other solvers about a claim that has no evidence; their answers compete with the one that is there."""
         if self.judge.faults or (self.best is not None and self._contradicted()):
             return
         began = time.perf_counter()
-        heard: list[Claim] = []
+        claims: list[Claim] = []
         if not self.searched.interrupted:
-            left = budget - self.seconds["bound"]
-            heard = heard_opinions(self.judge, self.run, self.claim, self.best, self.certificate, left, self.options)
+            seconds_left = self.bounding.budget - self.seconds["bound"]
+            claims = heard_opinions(self.judge, self.run, self.claim, self.best, self.certificate, seconds_left, self.options)
         self.seconds["bound"] += time.perf_counter() - began
         began = time.perf_counter()
         if self.best is None:
@@ -265,7 +259,7 @@ class Conclusion:
             self.answer, self.best = answer, better
             self.certificate = self._certified()
         senses, notes = self.problem.senses, self.run.notes
-        self.opinions, self.disagreements = compared(heard, self.claim, senses, self.best, self.certificate, notes)
+        self.opinions, self.disagreements = compared(claims, self.claim, senses, self.best, self.certificate, notes)
         self.seconds["check"] += time.perf_counter() - began
 
     def _contradicted(self, best: Evaluation | None = None) -> list[str]:
@@ -332,7 +326,7 @@ def _best_bound(
 
 
 def _status(claim: Claim, senses: Sequence[str], certificate: Certificate, best: Evaluation | None, bound: Value | None) -> str:
-    """How it ended: proved or claimed to be the best, or there to be none, or neither."""
+    """The status: optimal or infeasible or unbounded, proved or claimed; feasible or unknown otherwise."""
     if best is not None:
         verified = [] if certificate.bound is None else [certificate.bound, *(level.bound for level in certificate.levels)]
         if len(best.values) == 1 and isinstance(bound, float):

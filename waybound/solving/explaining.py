@@ -86,13 +86,13 @@ class Explanation:
     interrupted: bool = False
 
     def lines(self) -> list[Line]:
-        """The explanation in words: verdict, who says so, proof and reasons."""
+        """The explanation in words: the verdict, its source, proof and reasons."""
         verdict, tone = VERDICTS[self.verdict]
-        told = [Line("verdict", verdict + (f", according to {self.according_to}" if self.according_to else ""), tone)]
-        told += [Line("", self.message)] if self.message else []
+        rows = [Line("verdict", verdict + (f", according to {self.according_to}" if self.according_to else ""), tone)]
+        rows += [Line("", self.message)] if self.message else []
         if self.evidence is not None:
-            told.append(Line("proof", f"verified: {self.evidence.source}", "good"))
-        return [*told, *(Line("", line) for line in self.proof)]
+            rows.append(Line("proof", f"verified: {self.evidence.source}", "good"))
+        return [*rows, *(Line("", line) for line in self.proof)]
 
     def _all_lines(self) -> list[Line]:
         return [*self.lines(), *(Line(reason.name, reason.message) for reason in self.reasons)]
@@ -147,11 +147,11 @@ def explain(problem: Problem | Compiled | Program, *, time_limit: float = 60.0, 
         return RawResult("unknown", answer=_explain_by_rows(problem, form, end, control))
 
     searched = search(work, Control(), time_limit, overtime=1.0)
-    made: Explanation | None = searched.result.answer
+    explanation: Explanation | None = searched.result.answer
     if searched.interrupted:
-        made = made or Explanation("undecided")
-        return replace(made, interrupted=True, message="; ".join(m for m in ("interrupted", made.message) if m))
-    return made or Explanation("undecided", message=f"undecided within {time_limit:g} s")
+        explanation = explanation or Explanation("undecided")
+        return replace(explanation, interrupted=True, message="; ".join(m for m in ("interrupted", explanation.message) if m))
+    return explanation or Explanation("undecided", message=f"undecided within {time_limit:g} s")
 
 
 def reasons_from_data(problem: Problem | Compiled | Program, stopped: Callable[[], bool] = lambda: False) -> Iterator[Reason]:
@@ -174,15 +174,15 @@ def _explain_by_rows(problem: Problem | Compiled | Program, form: str | None, en
     if control.stopped:
         return Explanation("undecided")
     if isinstance(problem, Problem) and form is None and not _exact_form(problem):
-        made = _explain_by_methods(problem, end, control, notes)
+        explanation = _explain_by_methods(problem, end, control, notes)
     else:
-        made = _explain_rows(problem, form, end, control, notes)
-    if made.verdict == "infeasible" and made.evidence is None and not control.stopped:
+        explanation = _explain_rows(problem, form, end, control, notes)
+    if explanation.verdict == "infeasible" and explanation.evidence is None and not control.stopped:
         asked = problem if isinstance(problem, Problem) else problem.problem if isinstance(problem, Compiled) else vector_problem(problem)
         evidence = _proof(asked, end - time.perf_counter(), control)
         if evidence is not None:
-            made = replace(made, according_to="the data", evidence=evidence, proof=tuple(in_words(asked, evidence)))
-    return replace(made, message="; ".join(m for m in (made.message, *notes) if m))
+            explanation = replace(explanation, according_to="the data", evidence=evidence, proof=tuple(in_words(asked, evidence)))
+    return replace(explanation, message="; ".join(m for m in (explanation.message, *notes) if m))
 
 
 def _refuse_restriction(form: str | None, exactness: Exactness) -> None:
@@ -235,7 +235,7 @@ def _proof(problem: Problem, seconds: float, control: Control) -> Evidence | Non
 
 
 def _proofs(problem: Problem, found: Sequence[Evidence]) -> Iterator[Evidence]:
-    """The first of ``found`` that proves that there is no answer."""
+    """The first piece of evidence that proves that there is no answer."""
     none = math.inf if problem.sense == "min" else -math.inf
     return (evidence for evidence in found if proved_bound(problem, evidence) == none)
 
@@ -275,16 +275,16 @@ def _explain_rows(problem: Problem | Compiled | Program, form: str | None, end: 
         return Explanation("undecided", message=f"naming rows needs {FILTER_SOLVER}: pip install {BACKENDS[FILTER_SOLVER].requirement()}")
     try:
         if isinstance(problem, Compiled):
-            made = problem
+            compiled = problem
         else:
-            made = vector_problem(problem).compile() if isinstance(problem, Program) else problem.compile(form)
+            compiled = vector_problem(problem).compile() if isinstance(problem, Program) else problem.compile(form)
     except (UnsupportedError, TooLargeError) as error:
         if form is not None:
             raise
         return Explanation("undecided", message=f"no rows can be named: {error}")
-    _refuse_restriction(made.form, made.exactness)
-    program = made.program.first_level()
-    if any(_is_answer(problem, made, np.clip(np.full(program.num_variables, x), program.lower, program.upper)) for x in (0.0, 1.0)):
+    _refuse_restriction(compiled.form, compiled.exactness)
+    program = compiled.program.first_level()
+    if any(_is_answer(problem, compiled, np.clip(np.full(program.num_variables, x), program.lower, program.upper)) for x in (0.0, 1.0)):
         return _FEASIBLE
     plain = replace(
         program, sense="min", quadratic=None, offset=0.0, variables=tuple(replace(b, cost=np.zeros(b.size)) for b in program.variables)
@@ -294,7 +294,7 @@ def _explain_rows(problem: Problem | Compiled | Program, form: str | None, end: 
     def stop() -> bool:
         return control.stopped or time.perf_counter() >= end
 
-    relaxation = replace(made, program=plain).relaxed().program if plain.is_integer and not (plain.cones or plain.circuits) else None
+    relaxation = replace(compiled, program=plain).relaxed().program if plain.is_integer and not (plain.cones or plain.circuits) else None
     if relaxation is not None:
         test = _Tester(relaxation, end, inner)
         if test(np.ones(plain.num_rows, dtype=bool)) is True:
@@ -304,16 +304,17 @@ def _explain_rows(problem: Problem | Compiled | Program, form: str | None, end: 
         if _has_answer(problem, [*slow, None], (end - time.perf_counter()) / 4.0, notes):
             return _FEASIBLE
     if program.cones and form is None and isinstance(problem, Problem):
-        return Explanation("undecided", form=made.form, message=f"no rows can be named, for {FILTER_SOLVER} takes none of the form's cones")
+        why = f"no rows can be named, for {FILTER_SOLVER} takes none of the form's cones"
+        return Explanation("undecided", form=compiled.form, message=why)
     test = _Tester(plain, end, inner)
     whole = test(np.ones(plain.num_rows, dtype=bool))
     if whole is True:
         return _from_rows(plain, *deletion_filter(plain, test, stop))
-    if whole is False and made.exactness.answer_is_valid:
-        if _is_answer(problem, made, test.point):
-            return replace(_FEASIBLE, form=made.form)
-        return Explanation("feasible", FILTER_SOLVER, form=made.form, message=f"{FILTER_SOLVER} finds a point that satisfies all rows")
-    return Explanation("undecided", form=made.form, message=f"{FILTER_SOLVER} found neither an answer nor a proof that there is none")
+    if whole is False and compiled.exactness.answer_is_valid:
+        if _is_answer(problem, compiled, test.point):
+            return replace(_FEASIBLE, form=compiled.form)
+        return Explanation("feasible", FILTER_SOLVER, form=compiled.form, message=f"{FILTER_SOLVER} finds a point that satisfies all rows")
+    return Explanation("undecided", form=compiled.form, message=f"{FILTER_SOLVER} found neither an answer nor a proof that there is none")
 
 
 def _is_answer(problem: Problem | Compiled | Program, made: Compiled, point: Any) -> bool:
@@ -334,8 +335,8 @@ _QUICK = ("savings", "random", "greedy")
 
 def _has_answer(problem: Problem, methods: Sequence[str | None], seconds: float, notes: list[str]) -> bool:
     """Whether a heuristic or the default solver (None) finds a verified answer quickly; the MILP may take long to find one."""
-    found = _decided(problem, methods, seconds, notes)
-    return found is not None and found.answer is not None
+    solution = _decided(problem, methods, seconds, notes)
+    return solution is not None and solution.answer is not None
 
 
 def _decided(problem: Problem, methods: Sequence[str | None], seconds: float, notes: list[str]) -> Solution | None:
@@ -345,13 +346,13 @@ def _decided(problem: Problem, methods: Sequence[str | None], seconds: float, no
     """
     end = time.perf_counter() + min(seconds, _TRIAL_SECONDS)
     for heuristic in methods:
-        left = end - time.perf_counter()
-        if left <= 0:
+        seconds_left = end - time.perf_counter()
+        if seconds_left <= 0:
             return None
         try:
-            found = solve(problem, Request(heuristic=heuristic, time_limit=left, bound_time=0.0))
-            if found.answer is not None or found.certificate.infeasible:
-                return found
+            solution = solve(problem, Request(heuristic=heuristic, time_limit=seconds_left, bound_time=0.0))
+            if solution.answer is not None or solution.certificate.infeasible:
+                return solution
         except (UsageError, UnsupportedError, MissingPackageError):
             continue
         except WayboundError as fault:
@@ -373,10 +374,10 @@ class _Tester:
         self.backend, self.point = backend, None
 
     def __call__(self, keep: Flags) -> bool | None:
-        left = self.end - time.perf_counter()
-        if left <= 0 or self.control.stopped:
+        seconds_left = self.end - time.perf_counter()
+        if seconds_left <= 0 or self.control.stopped:
             return None
-        limit = left if self.calls == 0 else max(0.5, left / 8.0)
+        limit = seconds_left if self.calls == 0 else max(0.5, seconds_left / 8.0)
         self.calls += 1
         part = self.matrix[keep]
         rows = Rows(

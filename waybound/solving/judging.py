@@ -58,11 +58,11 @@ class Claim:
         return 0.0 if self.program is None else objective_unit(self.program)
 
     def values(self, levels: int) -> tuple[float, ...]:
-        """Claimed values of the best answer, one a level; those of the returned answer where none are claimed; empty without either."""
+        """Claimed values of the best answer, one per level; those of the returned answer if none are claimed; empty without either."""
         said = self.said
-        told = () if said.objective is None else (said.objective, *(level.objective for level in said.further))
-        if len(told) == levels:
-            return told
+        claimed = () if said.objective is None else (said.objective, *(level.objective for level in said.further))
+        if len(claimed) == levels:
+            return claimed
         return self.own.values if self.own is not None and self.own.feasible else ()
 
     def bound(self, levels: int) -> float | None:
@@ -72,17 +72,17 @@ class Claim:
         return self.said.bound if self.exactness.bound_is_valid else None
 
     def close(self, known: Evaluation, level: int, value: float) -> bool:
-        """Whether ``value``, by its own count, is that of an answer at a level."""
+        """Whether ``value``, as the solver computes it, is that of an answer at a level."""
         size = known.sizes[level] if known.sizes else 0.0
         return self.near(known.values[level], value, size, known.precision, first=level == 0)
 
     def near(self, known: float, value: float, size: float = 0.0, precision: float = 0.0, first: bool = True) -> bool:
-        """Whether ``value``, by its own count, is ``known``; of the first level in no finer parts than those of what it counts as 1."""
+        """Whether ``value``, as the solver computes it, is ``known``; at the first level no finer than the solver's unit."""
         precision = max(CLAIM_TOLERANCE, precision)
         return same(known, value, size, precision) or (first and same(known, value, self._unit, precision))
 
     def speaks_of(self, best: Evaluation) -> bool:
-        """Whether it claims that no answer is better than this one, of a relaxation by bounds that it meets up to what solvers see."""
+        """Whether it claims that this answer is optimal; a relaxation does so by bounds that meet it within solvers' tolerance."""
         levels = len(best.values)
         if self.said.status != "optimal":
             return False
@@ -111,7 +111,7 @@ class Claim:
 
 
 def _bounded(senses: Sequence[str], certificate: Certificate) -> bool:
-    """Whether it is proved that no level has answers as good as one wants."""
+    """Whether it is proved that every level of the objective is bounded."""
     return certificate.bound is not None and math.isfinite(certificate.bound) and len(certificate.levels) + 1 >= len(senses)
 
 
@@ -138,7 +138,7 @@ def false_answer(claim: Claim, senses: Sequence[str]) -> Iterator[str]:
 
 
 def contradictions(claim: Claim, senses: Sequence[str], best: Evaluation | None, certificate: Certificate) -> list[str]:
-    """Each claim that the best answer that passed every check, or what is proved, refutes."""
+    """The claims that the best answer that passed every check, or a proof, refutes."""
     return [f"{claim.solver} claims {words}" for words in _refuted(claim, senses, best, certificate)]
 
 
@@ -158,8 +158,8 @@ def _refuted(claim: Claim, senses: Sequence[str], best: Evaluation | None, certi
                 yield f"the optimum {values[apart]!r}{there}, but an answer of value {best.values[apart]!r}{there} passed every check"
         for level, further in claim.concerned(senses, best):
             if further.bound is not None and _beaten(claim, senses, best, level, further.bound):
-                found = f"an answer of value {best.values[level]!r} there passed every check"
-                yield f"the bound {further.bound!r} at level {level + 1}, but {found}"
+                passed_there = f"an answer of value {best.values[level]!r} there passed every check"
+                yield f"the bound {further.bound!r} at level {level + 1}, but {passed_there}"
     if exactness.answer_is_valid:
         size = 0.0 if best is None else best.size
         if status == "optimal" and values and verified is not None:
@@ -214,7 +214,7 @@ class Judge:
     _lost: list[BaseException] = field(default_factory=list)
 
     def last_word(self, result: RawResult, *, prices: bool) -> None:
-        """Judge the solver's own result; ``prices`` tells whether its objective is meant for the problem's."""
+        """Judge the solver's own result; ``prices``: whether its objective is that of the problem."""
         claimed = result.status in ("optimal", "feasible") and self.exactness.answer_is_valid
         whose = f"the {result.status} answer claimed by {self.solver}" if claimed else f"the last answer of {self.solver}"
         if self.exactness is Exactness.RELAXATION:
@@ -241,7 +241,7 @@ class Judge:
             self.notes.append(f"the start is only a hint, for it breaks: {judged.violations[0].message}")
 
     def at_hand(self, answer: Any, refutes: Callable[[Evaluation], object]) -> None:
-        """Judge an answer that needs no search; it counts where it passes and refutes what is claimed, and is not heard of elsewhere."""
+        """Judge an answer that needs no search; it is kept only if it passes every check and refutes a claim."""
         judged = None if answer is None else self.problem.evaluate(answer)
         if judged is not None and judged.feasible and refutes(judged):
             self._judged.append((answer, judged))
@@ -271,7 +271,10 @@ class Judge:
         return None, None
 
     def consider(self, raw: Any, whose: str, decode: Callable[[Any], Any] | None = None, *, claimed: bool = False) -> Evaluation | None:
-        """Judge a candidate, which ``decode`` makes an answer where it was not found in the solver's own terms; None if it is none."""
+        """Evaluate a candidate, ``whose`` in messages, and remember it; None, with a note, if it cannot be decoded or judged.
+
+        ``decode`` turns ``raw`` into an answer, by default as for the solver's own results.
+        """
         if raw is None:
             return None
         decode = decode or self.decode

@@ -1,4 +1,4 @@
-"""Bounds of objectives in order of priority: a level after the other, as long as those before are closed."""
+"""Bounds of objectives in order of priority: level by level, as long as those before are closed."""
 
 from __future__ import annotations
 
@@ -49,18 +49,19 @@ def further_levels(
     bound, ends, count = certificate.bound, time.perf_counter() + seconds, len(problem.senses)
     while bound is not None and len(before) + 1 < count and (evaluation is None or evaluation.same_at(len(before), bound)):
         before = (*before, bound) if evaluation is None else evaluation.values[: len(before) + 1]
-        level, part, left = len(before), problem.given(before), ends - time.perf_counter()
-        if part is None or left <= 0.0:
+        level, part, seconds_left = len(before), problem.given(before), ends - time.perf_counter()
+        if part is None or seconds_left <= 0.0:
             break
         target = None if evaluation is None else evaluation.values[level]
-        left = left if target is not None else left / (count - level)  # nothing ends the search for a bound but its time
-        progress = begun(f"bound of level {level + 1}", round(left, 1))
-        searched = bounded(part, left, target=target, progress=progress, unable=notes, linear=linear)
-        found = best_level_bound(problem, before, evaluation, searched.result.evidence, notes)
-        if found is None:
+        if target is None:  # nothing ends the search for a bound but its time
+            seconds_left /= count - level
+        progress = begun(f"bound of level {level + 1}", round(seconds_left, 1))
+        searched = bounded(part, seconds_left, target=target, progress=progress, unable=notes, linear=linear)
+        level_bound = best_level_bound(problem, before, evaluation, searched.result.evidence, notes)
+        if level_bound is None:
             break
-        levels.append(found)
-        bound = None if searched.interrupted else found.bound
+        levels.append(level_bound)
+        bound = None if searched.interrupted else level_bound.bound
     if not levels:
         return certificate
     return replace(certificate, levels=tuple(levels)) if evaluation is None else with_levels(certificate, evaluation, levels)
@@ -81,11 +82,11 @@ def bound_alone(
 
     searched = bounded(problem, seconds / len(problem.senses), progress=progress, unable=notes, linear=linear)
     evidence = list(searched.result.evidence)
-    made = in_time(lambda: certify(problem, None, evidence, unproved=notes), lambda: certify(problem, None))
-    left = seconds - (time.perf_counter() - began)
-    if left > 0.0 and not searched.interrupted:
-        made = further_levels(problem, made, None, left, linear, notes, begun)
-    return made, evidence, time.perf_counter() - began
+    certificate = in_time(lambda: certify(problem, None, evidence, unproved=notes), lambda: certify(problem, None))
+    seconds_left = seconds - (time.perf_counter() - began)
+    if seconds_left > 0.0 and not searched.interrupted:
+        certificate = further_levels(problem, certificate, None, seconds_left, linear, notes, begun)
+    return certificate, evidence, time.perf_counter() - began
 
 
 def bounds_of_levels(

@@ -1,13 +1,13 @@
-"""The method that answers: chosen where the user names none, refused where it cannot take the problem, and made ready to run."""
+"""The method: chosen if the user names none, refused if it cannot take the problem, and made ready to run."""
 
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from ..formulations.answers import taken_by
 from ..formulations.forms import FORMS, compile_form, default_form, nearest_form, usable_forms
 from ..formulations.problem import Problem
 from ..formulations.programs.compiled import Compiled
@@ -17,7 +17,7 @@ from ..formulations.programs.size import TooLargeError
 from ..formulations.rendering import number
 from ..formulations.stop import now
 from ..heuristics.heuristic import HEURISTICS, HeuristicWork
-from ..instances.errors import InputError, UnsupportedError, UsageError, in_words
+from ..instances.errors import UnsupportedError, UsageError, in_words
 from ..instances.memory import SHARE, available, fits, readable
 from ..solvers.backend import BACKENDS, Control, Engine, Options, RawResult, SolverWork, solver_named
 from ..solvers.isolation import run_in_process
@@ -28,7 +28,7 @@ from .search import search
 
 LARGE_PROGRAM = 500_000
 """Variables of a program for which solvers take seconds to make their own model, deaf to any wish: then they do it where they can be
-ended, and do not keep those who bound and judge meanwhile from working."""
+ended, and do not block bounding and judging meanwhile."""
 
 OPENING_SHARE = 0.5
 """Part of the time limit for the heuristic from whose answer the default solver starts."""
@@ -41,7 +41,7 @@ LEAST_SECONDS = 0.1
 """Time limit that is left to the solver at least."""
 
 
-# -- who can take a problem --------------------------------------------------------------------------------------------------
+# -- which methods can take a problem ----------------------------------------------------------------------------------------
 
 
 def missing_features(name: str, problem: Problem) -> tuple[frozenset[str], tuple[str, ...]]:
@@ -104,7 +104,7 @@ def default_solver(problem: Problem, given: Program | None = None, form: str | N
 def first_compiled(problem: Problem, backend: ProgramBackend, relax: bool) -> Compiled:
     """The problem in the best exact form that the solver takes; in the best of all where there is none, for the error to say so.
 
-    Who knows circuits is best off with them (docs/measurements.md#circuits), unless they are to be relaxed.
+    Solvers that know circuits are fastest with them (docs/measurements.md#circuits), unless they are to be relaxed.
     """
     forms = usable_forms(problem)
     if not forms:
@@ -134,15 +134,17 @@ def first_compiled(problem: Problem, backend: ProgramBackend, relax: bool) -> Co
 
 @dataclass(frozen=True)
 class Run:
-    """One search, ready to start: what is searched, and how its raw answers become answers of the problem.
+    """A search, ready to start: the method, its target, and the way back from its raw answers to those of the problem.
 
-    ``compiled`` is what a program backend is given; engines and heuristics take problems, and say for what their claims hold. ``bounds``
-    tells whether the search finds bounds of its own; ``opening`` names the heuristic from whose answer it is to start; ``apart`` whether
-    it goes on in a process of its own, and ``isolated`` whether whoever is asked about what it claims does, too.
+    ``target`` is the program of ``compiled`` for a program backend; engines and heuristics take problems, and say for what their claims
+    hold. The start in ``options`` is in the terms of ``target``. ``bounds`` tells whether the search finds bounds of its own; ``opening``
+    names the heuristic from whose answer it is to start; ``apart`` whether it goes on in a process of its own, and ``isolated`` whether
+    the solvers that are asked for a second opinion do, too.
     """
 
     name: str
-    work: SolverWork | HeuristicWork
+    target: Problem | Program
+    options: Options
     versions: dict[str, str] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
     compiled: Compiled | None = None
@@ -159,24 +161,26 @@ class Run:
 
     @property
     def claimant(self) -> str:
-        """The name of the solver that its bounds are claims of."""
+        """The name under which its bounds are reported: the solver, with the form in brackets if it searches a program."""
         return f"{self.name} ({self.form})" if self.form else self.name
 
     @property
     def exactness(self) -> Exactness:
-        """How what is searched relates to the problem."""
+        """How the target relates to the problem."""
         return Exactness.EXACT if self.compiled is None else self.compiled.exactness
 
     def go(self, control: Control) -> RawResult:
         """Search."""
-        return run_in_process(self.work, self.work.options, control) if self.apart else self.work(control)
+        kind: Callable[..., SolverWork | HeuristicWork] = HeuristicWork if self.heuristic else SolverWork
+        work = kind(self.name, self.target, self.options)
+        return run_in_process(work, self.options, control) if self.apart else work(control)
 
     def decode(self, raw: Any) -> Any:
         return raw if self.compiled is None else self.compiled.decode(raw)
 
 
 def requested_run(problem: Problem, given: Compiled | None, request: Request, options: Options) -> Run:
-    """The search that is asked for; of the default solver, begun by a heuristic, where no method, form or relaxation is named.
+    """The run that is asked for; by the default solver, perhaps begun by a heuristic, if no method, form or relaxation is named.
 
     Raises UsageError, UnsupportedError, MissingPackageError of what the method cannot take or keep to.
     """
@@ -241,8 +245,8 @@ def solver_run(
             raise UsageError(f"{solver} needs {readable(needs.memory)} for a problem of size {problem.size:,}, {most}", "too-large")
         if backend.one_thread and options.threads > 1:
             notes.append(f"{solver} searches on one thread")
-        work, apart = SolverWork(solver, problem, options), isolate or needs.apart
-        return Run(solver, work, versions, notes, bounds=backend.bounds_itself, apart=apart, isolated=isolate)
+        apart, bounds = isolate or needs.apart, backend.bounds_itself
+        return Run(solver, problem, options, versions, notes, bounds=bounds, apart=apart, isolated=isolate)
 
     assert isinstance(backend, ProgramBackend)
     began = time.perf_counter()
@@ -257,16 +261,9 @@ def solver_run(
     if lacking:
         raise backend.refusal(lacking, compiled.program)
     _refuse_ignored(solver, backend.honours, options)
-    start = None
-    if options.start is not None and compiled.encode is not None:
-        try:
-            with taken_by(compiled.problem):
-                start = compiled.encode(options.start)
-        except InputError as fault:
-            notes.append(f"the start was not used: {fault}")
     apart = isolate or backend.needs_process or compiled.program.num_variables > LARGE_PROGRAM
-    work = SolverWork(solver, compiled.program, replace(options, start=start))
-    return Run(solver, work, versions, notes, compiled, seconds, apart=apart, isolated=apart)
+    options = replace(options, start=compiled.start(options.start, notes))
+    return Run(solver, compiled.program, options, versions, notes, compiled, seconds, apart=apart, isolated=apart)
 
 
 def heuristic_run(problem: Problem, name: str, options: Options, isolate: bool) -> Run:
@@ -274,17 +271,17 @@ def heuristic_run(problem: Problem, name: str, options: Options, isolate: bool) 
 
     Raises UsageError, UnsupportedError of what it cannot take or keep to.
     """
-    work = HeuristicWork(name, problem, options)
-    missing = work.method.missing(problem)
+    heuristic = HEURISTICS[name]
+    missing = heuristic.missing(problem)
     if missing:
         raise UnsupportedError(f"heuristic {name}", missing, able_heuristics(problem))
-    work.method.check_parameters(options.extra)
-    _refuse_ignored(f"heuristic {name}", work.method.honours, options)
-    return Run(name, work, heuristic=True, apart=isolate)
+    heuristic.check_parameters(options.extra)
+    _refuse_ignored(f"heuristic {name}", heuristic.honours, options)
+    return Run(name, problem, options, heuristic=True, apart=isolate)
 
 
 def _refuse_ignored(who: str, honours: frozenset[str], options: Options) -> None:
-    """Raise UsageError for what the method would not keep to."""
+    """Raise UsageError for a limit that the method does not keep to."""
     for name, value in options.asked().items():
         if name not in honours:
             able = sorted(n for n in BACKENDS if name in BACKENDS[n].honours)
@@ -325,7 +322,7 @@ def continued(problem: Problem, run: Run, options: Options, isolate: bool, recor
     assert run.opening is not None
     record.begin_phase(f"start by {run.opening}", OPENING_SHARE * options.time_limit)
     rest, seconds, message = opened(problem, run.opening, options, isolate)
-    later = solver_run(problem, run.compiled, run.name, None, False, rest, isolate)
+    start = rest.start if run.compiled is None else run.compiled.start(rest.start, run.notes)
     note = f"{run.name} started from the answer of {run.opening}"
     if rest.start is None:
         note = f"{run.opening} found no start: {message or 'no answer'}"
@@ -335,5 +332,5 @@ def continued(problem: Problem, run: Run, options: Options, isolate: bool, recor
             if judged.feasible:
                 record.judged(run.opening, judged.values)
                 note += f", worth {number(judged.values)}"
-    later.notes.extend([*run.notes, note])
-    return replace(later, compile_seconds=run.compile_seconds), rest, seconds
+    run.notes.append(note)
+    return replace(run, options=replace(run.options, start=start, time_limit=rest.time_limit)), rest, seconds

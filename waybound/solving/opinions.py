@@ -1,4 +1,4 @@
-"""Second opinions: other solvers asked about what one claims without evidence."""
+"""Second opinions: other solvers are asked about a claim that has no evidence."""
 
 from __future__ import annotations
 
@@ -16,8 +16,7 @@ from ..formulations.programs.program import Program
 from ..formulations.solution import Opinion
 from ..formulations.tolerance import same
 from ..formulations.verified_bounds import beats_bound
-from ..solvers.backend import BACKENDS, Control, Options, RawResult, SolverWork, solver_named
-from ..solvers.isolation import run_in_process
+from ..solvers.backend import BACKENDS, Control, Options, RawResult, solver_named
 from ..solvers.program_backend import ProgramBackend, takers
 from .judging import Claim, Judge, contradictions
 from .method import Run, able_solvers, first_compiled
@@ -33,20 +32,20 @@ MOST_ENTRIES = 100_000
 
 
 def independent(program: Program, solver: str) -> list[str]:
-    """Installed solvers that take the program by another engine than ``solver``, one for each engine, the quick to ask first."""
-    asked = solver_named(solver)
-    found: dict[str, tuple[bool, int, str]] = {}
+    """Installed solvers that take the program with another engine than ``solver``, one per engine, the quickest to start first."""
+    first = solver_named(solver)
+    quickest: dict[str, tuple[bool, int, str]] = {}
     for name in takers(program.features()):
         backend = solver_named(name)
         assert isinstance(backend, ProgramBackend)
-        if not isinstance(asked, ProgramBackend) or backend.engine != asked.engine:
+        if not isinstance(first, ProgramBackend) or backend.engine != first.engine:
             rank = (backend.needs_process, backend.order, name)
-            found[backend.engine] = min(rank, found.get(backend.engine, rank))
-    return [name for *_, name in sorted(found.values())]
+            quickest[backend.engine] = min(rank, quickest.get(backend.engine, rank))
+    return [name for *_, name in sorted(quickest.values())]
 
 
 def program_of(problem: Problem) -> Compiled | None:
-    """The problem in an exact form, to be put to others where no program was searched.
+    """The problem in an exact form, for other solvers, where no program was searched.
 
     None where no solver takes one, where it cannot be written, or where writing it would take too long.
     """
@@ -64,30 +63,23 @@ def program_of(problem: Problem) -> Compiled | None:
 def second_opinions(program: Program, solver: str, seconds: float, options: Options, isolate: bool) -> Iterator[tuple[str, RawResult]]:
     """Results of up to ``MOST`` other engines for the program within ``seconds``, each in a process of its own where the first was.
 
-    Who fails says nothing.
+    Solvers that fail are left out.
     """
     began, heard = time.perf_counter(), 0
     for name in independent(program, solver):
-        left = seconds - (time.perf_counter() - began)
-        if heard >= MOST or left < LEAST_SECONDS:
+        seconds_left = seconds - (time.perf_counter() - began)
+        if heard >= MOST or seconds_left < LEAST_SECONDS:
             return
-        backend = solver_named(name)
-        told = replace(options, time_limit=left, iterations=None, no_improvement=None, gap=0.0, start=None, extra={})
-        work = SolverWork(name, program, told)
-
-        def ask(
-            control: Control, work: SolverWork = work, told: Options = told, alone: bool = isolate or backend.needs_process
-        ) -> RawResult:
-            return run_in_process(work, told, control) if alone else work(control)
-
+        own = replace(options, time_limit=seconds_left, iterations=None, no_improvement=None, gap=0.0, start=None, extra={})
+        run = Run(name, program, own, apart=isolate or solver_named(name).needs_process)
         try:
-            found = search(ask, Control(), left)
+            searched = search(run.go, Control(), seconds_left)
         except Exception:  # of whatever kind: an opinion never costs what it is about
             continue
-        if found.interrupted:
+        if searched.interrupted:
             return
         heard += 1
-        yield name, found.result
+        yield name, searched.result
 
 
 def unproved(claim: Claim, senses: Sequence[str], best: Evaluation | None, certificate: Certificate, whole: bool = True) -> bool:
@@ -113,11 +105,11 @@ def heard_opinions(
     compiled = compiled or (program_of(judge.problem) if seconds > 0.0 else None)
     if compiled is None:
         return []
-    heard = []
+    claims = []
     for name, said in second_opinions(compiled.program, run.name, seconds - (time.perf_counter() - began), options, run.isolated):
         judge.consider(said.answer, f"the answer of {name}", compiled.decode)
-        heard.append(Claim(name, said, compiled.exactness.then(said.holds), program=compiled.program))
-    return heard
+        claims.append(Claim(name, said, compiled.exactness.then(said.holds), program=compiled.program))
+    return claims
 
 
 def compared(

@@ -1,4 +1,4 @@
-"""Records a search as it goes: every better answer and bound, with the time since ``solve`` was called and who found it."""
+"""Records a search as it goes: every better answer and bound, the time since ``solve`` was called, and the method that found it."""
 
 from __future__ import annotations
 
@@ -8,16 +8,11 @@ import time
 from collections.abc import Callable, Sequence
 from typing import Any
 
-from ..formulations.problem import Problem
 from ..formulations.search_history import Event
-from ..formulations.solution import Solution
+from ..formulations.solution import Value
 from ..formulations.verified_bounds import better_bound
-from ..solvers.backend import Control
 
 Progress = Callable[[dict[str, Any]], None]
-
-PRICED_EVERY = 0.25
-"""Least seconds between two incumbents of several levels that are priced for who watches."""
 
 SLOW_SET_UP = 1.0
 """Seconds of an engine's own set-up that are worth a word."""
@@ -28,7 +23,7 @@ BOUNDING = "bounding"
 
 
 class Recorder:
-    """Turns what a search and bounding tell into events, and hands these on. Thread-safe.
+    """Turns reports of the search and of bounding into events, and passes these on. Thread-safe.
 
     Parameters
     ----------
@@ -85,13 +80,11 @@ class Recorder:
         """The values of the answer that is handed over, recomputed from the data."""
         self._take("check", values, None, "verified", who)
 
-    def end(self, solution: Solution) -> tuple[Event, ...]:
-        """All events, with what was left at the end as the last one."""
+    def end(self, values: tuple[float, ...] | None, bound: Value | None, kind: str | None, who: str) -> tuple[Event, ...]:
+        """All events, with the values and the bound that are handed over as the last one."""
         with self._lock:
-            values = None if solution.evaluation is None else solution.evaluation.values
-            bound = solution.bound
             bounds = None if bound is None else tuple(bound) if isinstance(bound, list) else (bound,)
-            self.events.append(Event(self._seconds(), "check", values, bounds, solution.bound_kind, solution.solver))
+            self.events.append(Event(self._seconds(), "check", values, bounds, kind, who))
             return tuple(self.events)
 
     def _take(self, phase: str, value: Any, bound: Any, kind: str, who: str, counted: dict[str, Any] | None = None) -> None:
@@ -110,16 +103,16 @@ class Recorder:
                 self.events.append(Event(seconds, phase, self._value, None if known is None else (known,), known_kind, who))
             best = self._value if self._value is None or len(self._value) > 1 else self._value[0]
             shown = list(best) if isinstance(best, tuple) else best
-            told = {
+            event = {
                 "phase": phase, "seconds": seconds, "objective": shown, "bound": known, "bound_kind": known_kind, "found_by": who,
                 **(counted or {"nodes": None, "counts": {}}),
             }  # fmt: skip
         if news or phase == "solve":
             for listener in self._listeners:
-                listener(told)
+                listener(event)
 
     def _better(self, values: tuple[float, ...], than: tuple[float, ...]) -> bool:
-        """Level by level; of equal ones who tells of more levels."""
+        """Whether ``values`` are better, compared level by level; of equal ones the longer is better."""
         for sense, value, other in zip(self.senses, values, than, strict=False):
             if value != other:
                 return value < other if sense == "min" else value > other
@@ -130,28 +123,7 @@ class Recorder:
 
 
 def _levels(value: Any) -> tuple[float, ...] | None:
-    """A value a level; None for what is not known, and for what is no finite number."""
+    """The value of each level of the objective; None if one of them is unknown or is no finite number."""
     values = value if isinstance(value, list | tuple) else [value]
     known = [float(v) for v in values if isinstance(v, int | float) and math.isfinite(v)]
     return tuple(known) if known and len(known) == len(values) else None
-
-
-def pricing(problem: Problem, hear: Progress) -> Control:
-    """A line to an engine whose incumbents are priced, now and then, where the objective has levels, of which engines tell none, or the
-    first."""
-    last = -math.inf
-
-    def priced() -> list[float] | None:
-        nonlocal last
-        now = time.perf_counter()
-        if control.answer is None or now - last < PRICED_EVERY:
-            return None
-        last = now
-        try:
-            judged = problem.evaluate(control.answer)
-        except Exception:  # it will be judged, and told what is wrong, at the end
-            return None
-        return list(judged.values) if judged.feasible else None
-
-    control = Control(lambda event: hear({**event, "objective": priced()}))
-    return control

@@ -61,7 +61,7 @@ def search(run: Callable[[Control], RawResult], control: Control, time_limit: fl
             done.set()
 
     began, limit = time.perf_counter(), Stop(time_limit + overtime)
-    asked: float | None = None
+    asked_at: float | None = None
     with interrupts.waiting():
         interrupted = give_up = bool(interrupts.received)  # then nothing is begun any more
         if not interrupted:
@@ -71,15 +71,15 @@ def search(run: Callable[[Control], RawResult], control: Control, time_limit: fl
                 done.wait(_TICK)
                 now = time.perf_counter()
                 if interrupts.received and not interrupted:
-                    interrupted, asked = True, now
+                    interrupted, asked_at = True, now
                     control.stop()
-                if asked is None and limit.reached():
-                    asked = now
+                if asked_at is None and limit.reached():
+                    asked_at = now
                     control.stop()
-                give_up = interrupts.insisted or (asked is not None and now - asked > GRACE)
+                give_up = interrupts.insisted or (asked_at is not None and now - asked_at > GRACE)
             except KeyboardInterrupt:  # from a handler that is not ours
                 give_up = interrupted
-                interrupted, asked = True, time.perf_counter()
+                interrupted, asked_at = True, time.perf_counter()
                 control.stop()
     if not done.is_set():
         control.close()
@@ -89,7 +89,7 @@ def search(run: Callable[[Control], RawResult], control: Control, time_limit: fl
     result: RawResult = outcome.get("result") or _from_incumbents(control, interrupted, outcome.get("fault"))
     if interrupted and result.limit != "interrupt" and result.status not in ("optimal", "infeasible", "unbounded"):
         result = replace(result, limit="interrupt")
-    elif asked is not None and not interrupted and result.limit == "interrupt":  # what asked was the clock
+    elif asked_at is not None and not interrupted and result.limit == "interrupt":  # what asked was the clock
         result = replace(result, limit="time")
     return Searched(result, interrupted, seconds)
 

@@ -17,10 +17,9 @@ from pathlib import Path
 from types import TracebackType
 from typing import Any
 
-from ..formulations.rendering import as_text, number, percent
-from ..formulations.solution import Solution, relative_gap, solution_title, status_line
+from ..formulations.rendering import number, percent
+from ..formulations.solution import relative_gap
 from ..formulations.tolerance import same
-from ..formulations.verdict import verdict_lines
 from ..instances.errors import InputError, UsageError, in_words
 from ..instances.printable import one_line
 
@@ -76,15 +75,15 @@ class SearchLog:
         if fault is not None:
             self._line(f"ended by an error: {one_line(fault)}")
 
-    def begin(self, problem: str, remarks: Sequence[str], method: str, told: str) -> None:
-        """The heading: problem, remarks on it, and by what it is searched, ``told`` being limits and seed."""
+    def begin(self, problem: str, remarks: Sequence[str], method: str, settings: str) -> None:
+        """Write the heading: the problem, remarks on it, the method, and its limits and seed (``settings``)."""
         from .._version import __version__
 
         self._began = self._said = time.perf_counter()
         self._line(f"waybound {__version__}, {one_line(problem)}")
         for remark in remarks:
             self._line(f"note: {one_line(remark)}")
-        self._line(f"search by {method}; {told}")
+        self._line(f"search by {method}; {settings}")
         self._line("")
         self._line(f"{'seconds':>9}  {'objective':>14}  {'bound':>14}  {'gap':>8}")
 
@@ -136,21 +135,15 @@ class SearchLog:
                 self._pending, self._due = news, due
             self._bounder = source if raised else self._bounder
 
-    def end(self, solution: Solution) -> None:
-        """Write the result and the verdict."""
+    def end(self, result: dict[str, Any], verdict: Sequence[str]) -> None:
+        """The last line, ``result`` being objective, bound and gap, and the lines of the verdict."""
         self._done.set()
         with self._lock:
             self._flush()
-            value = solution.objective
-            self._event = {"objective": value, "bound": solution.bound, "gap": solution.gap}
+            self._event = result
             self._say("all checks done")
-            spent = ", ".join(f"{name} {seconds:.2f}" for name, seconds in solution.seconds.items())
-            self._line("")
-            for line in as_text(solution_title(solution), [status_line(solution), *verdict_lines(solution)]).split("\n"):
+            for line in ("", *verdict):
                 self._line(line)
-            if solution.message:
-                self._line(f"remarks: {one_line(solution.message)}")
-            self._line(f"seconds: {spent}")
 
     def tick(self) -> None:
         """Write the line that is due: one that was held back, or a sign of life."""
@@ -226,21 +219,21 @@ def shown(log: Log) -> Iterator[SearchLog | None]:
         yield log
     elif log is True and in_notebook():
         cell = _Cell()
-        with SearchLog(cell.write) as made:
+        with SearchLog(cell.write) as writer:
             try:
-                yield made
+                yield writer
             finally:
                 cell.show()
     elif log is True or log == "-":
-        with SearchLog(lambda line: print(line, file=sys.stderr, flush=True)) as made:
-            yield made
+        with SearchLog(lambda line: print(line, file=sys.stderr, flush=True)) as writer:
+            yield writer
     elif isinstance(log, str | PathLike):
         try:
             stream = Path(log).open("w", encoding="utf-8", buffering=1)  # noqa: SIM115 - closed below
         except OSError as fault:
             raise InputError(f"the log cannot be written: {in_words(fault)}", "file").at(file=fspath(log)) from fault
-        with stream, SearchLog(lambda line: print(line, file=stream)) as made:
-            yield made
+        with stream, SearchLog(lambda line: print(line, file=stream)) as writer:
+            yield writer
     else:
         raise UsageError(f"log is True, the name of a file, or a SearchLog, not {type(log).__name__}", "malformed")
 

@@ -2,26 +2,32 @@
 
 from __future__ import annotations
 
+import math
 import time
+from contextlib import suppress
 from dataclasses import replace
 from functools import partial
+from typing import Any
 
-from ..formulations.evidence import Evidence
 from ..formulations.problem import Problem
 from ..formulations.programs.compiled import Compiled
 from ..formulations.solution import Solution
 from ..formulations.stop import hearing
+from ..formulations.verdict import verdict_in_words
 from ..instances.errors import WayboundError, in_words
 from ..solvers import interrupts
 from ..solvers.backend import Control, Options, RawResult
 from ..solvers.linear_programs import LinearPrograms
-from .bounding import FIRST_SECONDS, Beside, BoundWork, Goal, first_evidence, free_core
+from .bounding import Bounding
 from .concluding import conclude
 from .method import Run, continued, requested_run
-from .recording import SLOW_SET_UP, Progress, Recorder, pricing
+from .recording import SLOW_SET_UP, Progress, Recorder
 from .request import Request
 from .search import Searched, search
 from .search_log import Log, shown
+
+PRICED_EVERY = 0.25
+"""Least seconds between two incumbents of an objective with levels that are evaluated for listeners."""
 
 
 def solve(problem: Problem | Compiled, request: Request | None = None, *, progress: Progress | None = None, log: Log = None) -> Solution:
@@ -31,9 +37,9 @@ def solve(problem: Problem | Compiled, request: Request | None = None, *, progre
     NoAnswerError if there is no answer to hand over.
     """
     request = request or Request()
-    given, problem = (problem, problem.problem) if isinstance(problem, Compiled) else (None, problem)
+    compiled, problem = (problem, problem.problem) if isinstance(problem, Compiled) else (None, problem)
     options, budget = request.search_options(), request.bound_budget
-    run = requested_run(problem, given, request, options)
+    run = requested_run(problem, compiled, request, options)
     run.notes.extend(request.notes)
     listeners: list[Progress] = [] if progress is None else [progress]
     with shown(log) as written, hearing(lambda what, seconds: record.of_loops(what, seconds)):
@@ -42,9 +48,11 @@ def solve(problem: Problem | Compiled, request: Request | None = None, *, progre
             written.begin(repr(problem).strip("<>"), problem.remarks(), run.claimant, _limits_in_words(options, budget))
         record = Recorder(problem.senses, listeners)
         solution = _answered(problem, run, options, budget, request.linear, record, request.isolated)
-        solution = replace(solution, events=record.end(solution))
+        values = None if solution.evaluation is None else solution.evaluation.values
+        solution = replace(solution, events=record.end(values, solution.bound, solution.bound_kind, solution.solver))
         if written is not None:
-            written.end(solution)
+            result = {"objective": solution.objective, "bound": solution.bound, "gap": solution.gap}
+            written.end(result, verdict_in_words(solution))
     return solution
 
 
@@ -52,34 +60,32 @@ def _answered(
     problem: Problem, run: Run, options: Options, budget: float, linear: LinearPrograms, record: Recorder, isolate: bool
 ) -> Solution:
     """Search, with bounds before it and beside it where the search has none of its own, and conclude."""
-    exactness = run.exactness
-    hear = record.of_search(run.name, answers=exactness.answer_is_valid, bounds=exactness.bound_is_valid and not run.heuristic)
-    control = Control(hear) if run.compiled is not None or len(problem.senses) == 1 else pricing(problem, hear)
-    control.on_set_up = partial(record.engine_set_up, run.name)
+    bounding, exactness, priced_at, before = Bounding(problem, budget, linear, record), run.exactness, -math.inf, 0.0
+    priced = run.compiled is None and len(problem.senses) > 1  # engines tell one value of an objective with levels, or none
     crash: Exception | None = None
+
+    def heard(event: dict[str, Any]) -> None:
+        nonlocal priced_at
+        values = None
+        if priced and control.answer is not None and time.perf_counter() - priced_at >= PRICED_EVERY:
+            priced_at = time.perf_counter()
+            with suppress(Exception):  # it will be judged, and told what is wrong, at the end
+                judged = problem.evaluate(control.answer)
+                values = list(judged.values) if judged.feasible else None
+        hear({**event, "objective": values} if priced else event)
+
+    hear = record.of_search(run.name, answers=exactness.answer_is_valid, bounds=exactness.bound_is_valid and not run.heuristic)
+    control = Control(heard)
+    control.on_set_up = partial(record.engine_set_up, run.name)
     with interrupts.held():  # an answer that is found is judged, whatever signal comes then
-        before = 0.0
         if run.opening is not None:
             run, options, before = continued(problem, run, options, isolate, record)
-        go, began = run.go, time.perf_counter()
-        first: list[Evidence] = []
-        goal: Goal | None = None
-        beside: Beside | None = None
+        go = run.go
         if not run.bounds and options.iterations is None:  # a clock decides when evidence is there, and work limits shall repeat to the bit
-            if budget > 0:
-                record.begin_phase("bound", min(FIRST_SECONDS, budget))
-            uncompiled: list[str] = []
-            first, goal = first_evidence(problem, min(FIRST_SECONDS, budget), linear, options.gap, uncompiled)
-            if goal is not None and first:
-                record.of_bounds(goal.told())
-            control.goal = goal
-            if goal is not None and goal.infeasible:
-                go, budget = (lambda control: RawResult("unknown", message="proved before the search")), 0.0
-            elif goal is not None and (budget > FIRST_SECONDS or (budget > 0 and uncompiled)) and free_core(options.threads):
-                work = BoundWork(problem, budget, tuple(first), linear)
-                beside = Beside(work, goal, control, record.of_bounds, competing=not run.heuristic)
-        spent = time.perf_counter() - began
-        if goal is None or not goal.infeasible:
+            bounding.begin(control, options, competing=not run.heuristic)
+        if bounding.no_answer:
+            go = lambda control: RawResult("unknown", message="proved before the search")  # noqa: E731
+        else:
             record.begin_phase("solve", round(options.time_limit, 1))
         try:
             searched = search(go, control, options.time_limit)
@@ -91,14 +97,14 @@ def _answered(
             searched = Searched(RawResult("error", message=message), False, time.perf_counter() - control.started)
         if control.set_up is not None and control.set_up >= SLOW_SET_UP:
             run.notes.append(f"{run.name} took {control.set_up:.1f} s to set up")
+        goal = bounding.goal
         if goal is not None and (goal.reached or goal.infeasible) and not searched.interrupted:
             searched = replace(searched, result=replace(searched.result, limit=goal.limit))
         try:
-            solution = conclude(problem, run, searched, control, options, budget, record, crash, first, beside)
+            solution = conclude(problem, run, searched, control, options, bounding, record, crash)
         finally:
-            if beside is not None:
-                beside.line.stop()
-        solution.seconds["bound"] += spent
+            bounding.line.stop()
+        solution.seconds["bound"] += bounding.seconds
         solution.seconds["solve"] += before
         return solution
 

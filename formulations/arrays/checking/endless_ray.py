@@ -26,7 +26,7 @@ from ...evidence import ENDLESS
 def check_endless_ray(problem: Any, data: Mapping[str, Any]) -> bool:
     """Check that a program has points, and that those along a ray prove its objective unbounded.
 
-    ``point`` and ``ray`` hold one number a variable each; InputError is raised for anything else. Source: Schrijver (1986), "Theory of
+    ``point`` and ``ray`` hold one number per variable each; InputError is raised for anything else. Source: Schrijver (1986), "Theory of
     Linear and Integer Programming", sections 8.2 and 16.2.
     """
     if problem.family != "arrays":

@@ -38,7 +38,7 @@ _VANISHING = 1e-250
 def check_lp_dual(problem: Any, data: Mapping[str, Any]) -> float:
     """Bound on a linear (or mixed-integer linear) program that any row duals prove (weak duality with bounded variables).
 
-    ``duals``: one number a row, d objective / d right side, of a linear objective, without cones. Or ``ray``, whatever the objective: one
+    ``duals``: one number per row, d objective / d right side, of a linear objective, without cones. Or ``ray``, whatever the objective: one
     number a row, positive where the lower side of the row counts, in either sense of the program. The bound is minus infinity (``min``) or
     infinity (``max``) where nothing is proved, and the other way round where the ray, or limits of a variable between which there is no
     number, prove that no x is within the limits. Raises InputError for a list that is missing, of another length, or of other than finite

@@ -48,7 +48,7 @@ Line = tuple[dict[int, Fraction], Fraction]
 def check_quadratic_duals(problem: Any, data: Mapping[str, Any]) -> float:
     """Bound on a program with a quadratic objective that row duals prove, together with lines below the objective.
 
-    ``duals``: one number a row, d objective / d right side. ``point``: t, one number a variable, 0 where there is none. ``shares``: one
+    ``duals``: one number per row, d objective / d right side. ``point``: t, one number per variable, 0 where there is none. ``shares``: one
     number s from 0 to 1 for each product of two different variables, in the order of rows and columns of the upper triangle; without them
     the whole tangent is taken. The bound is infinite, with the sign of no proof, where a limit that it takes is missing, or the matrix is
     not semidefinite; with the other sign where limits of a variable cross. Raises InputError for lists that are missing, of another length,

@@ -36,7 +36,7 @@ _LARGEST, _TINY, _WHOLE = 1e300, 1e-290, 2.0**53
 
 @CHECKERS.register("job-prices")
 def check_job_prices(problem: Any, data: Mapping[str, Any]) -> float:
-    """Bound on the cost (rounded downwards) or profit (upwards) that any prices prove; ``data`` holds ``prices``, one number a job.
+    """Bound on the cost (rounded downwards) or profit (upwards) that any prices prove; ``data`` holds ``prices``, one number per job.
 
     Source: Lagrangean duality, Fisher, Jaikumar and Van Wassenhove (1986); docs/formulations/generalised-assignment.md#evidence.
     """

@@ -1,4 +1,4 @@
-"""Form ``assignment-knapsacks``: one binary a pair of agent and job, a knapsack row an agent."""
+"""Form ``assignment-knapsacks``: one binary per pair of agent and job, a knapsack row an agent."""
 
 from __future__ import annotations
 

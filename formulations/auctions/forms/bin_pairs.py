@@ -1,4 +1,4 @@
-"""Forms of bin assignments, ``bipartite`` and ``largest-cost``: one binary a pair, and rows that let each robot and bin have one."""
+"""Forms of bin assignments, ``bipartite`` and ``largest-cost``: one binary per pair, and rows that let each robot and bin have one."""
 
 from __future__ import annotations
 

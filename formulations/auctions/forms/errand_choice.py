@@ -1,4 +1,4 @@
-"""Form ``errand-choice``: one binary a robot, bin and request."""
+"""Form ``errand-choice``: one binary per robot, bin and request."""
 
 from __future__ import annotations
 

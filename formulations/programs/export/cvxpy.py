@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
 
 def to_cvxpy(program: Program) -> Any:
-    """A ``cvxpy.Problem`` with one vector variable a block of variables and up to three constraints a block of rows.
+    """A ``cvxpy.Problem`` with one vector variable per block of variables and up to three constraints per block of rows.
 
     ``problem.var_dict`` holds the variables by the names of their blocks, in column order; a name that occurs again gets a number
     (``x, x.2``), and empty blocks have none. A quadratic part must be convex (concave for maximisation).

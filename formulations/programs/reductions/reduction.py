@@ -1,4 +1,4 @@
-"""Reductions of programs, and the chain that several of them make.
+"""Reductions of programs, and chains of them.
 
 Flags compose along the chain (``Exactness.then``); points, objectives, bounds and duals travel back through it, starts forth.
 """

@@ -55,11 +55,11 @@ class Scaled(Step):
         return np.asarray(np.ldexp(x, -self.columns), dtype=np.float64)
 
     def residual(self, x: Floats) -> float:
-        """Largest violation by a vector of the program as it was, as a solver counts it."""
+        """Largest violation by a vector of the original program, in the solver's units."""
         return float(self.program.residual(self.encoded(x)))
 
     def counted(self, value: float) -> float:
-        """Objective of the program as it was, as a solver counts it."""
+        """Objective of the original program, in the solver's unit."""
         return _times(value, self.objective)
 
     def value(self, value: float) -> float:
@@ -70,7 +70,7 @@ class Scaled(Step):
 
 
 def scaled(program: Program) -> Scaled:
-    """The program with numbers of ordinary size, as far as one factor a row and a block of columns can bring them there."""
+    """The program with numbers of ordinary size, as far as one factor per row and a block of columns can bring them there."""
     row = np.repeat(np.arange(program.num_rows), np.diff(program.indptr))
     columns = _column_units(program, row)
     rows, objective = _row_units(program, row, columns), _objective_unit(program, columns)

@@ -186,7 +186,7 @@ def _entries(program: Program, fixed: NDArray[np.bool_]) -> tuple[Integers, Inte
 def _unimodular(
     program: Program, row: Integers, column: Integers, value: Floats, whole: NDArray[np.bool_]
 ) -> tuple[Floats, Floats, Integers]:
-    """Scales of rows and steps of continuous columns that make all coefficients of the latter 1 or -1, up to a factor a group.
+    """Scales of rows and steps of continuous columns that make all coefficients of the latter 1 or -1, up to a factor per group.
 
     Nodes are the rows and, after them, the columns. Returns the scale of each row, the step of each column, and the group of each node.
     """

@@ -166,7 +166,7 @@ def density(z: float) -> float:
 
 
 def least_quantile(risk: float) -> float:
-    """At most the number whose tail is ``risk``, and nearly that."""
+    """Lower bound on the standard normal quantile that is exceeded with probability ``risk``, tight but for rounding."""
     if risk >= 0.5:
         return 0.0
     low, high = 0.0, _LARGEST_Z
@@ -177,7 +177,7 @@ def least_quantile(risk: float) -> float:
 
 
 def _least_margins(problem: Any, chance: Floats, budgets: Floats) -> list[float]:
-    """For each priced chance row at most the least of ``chance * deviation * z + price * tail(z)`` over the z that its risk allows."""
+    """Lower bounds, one for each priced chance row, on ``chance * deviation * z + price * tail(z)`` over the z that its risk allows."""
     price = np.zeros(len(problem.names))
     for budget, own in zip(problem.budgets, budgets.tolist(), strict=True):
         price[budget.constraints] += own
@@ -193,7 +193,7 @@ def _least_margins(problem: Any, chance: Floats, budgets: Floats) -> list[float]
 
 
 def _least_margin(slope: float, price: float, floor: float) -> float:
-    """At most the least of ``slope z + price tail(z)`` over z >= floor."""
+    """Lower bound on ``slope z + price tail(z)`` over z >= floor."""
     if price <= 0.0 or slope >= price * density(floor) * (1.0 + 4.0 * TAIL_ERROR):  # rising from the floor on
         return (slope * floor + price * tail(floor) * (1.0 - TAIL_ERROR)) * (1.0 - 8.0 * _EPS)
     ratio = slope / price * math.sqrt(2.0 * math.pi)

@@ -90,7 +90,7 @@ MOST_STEPS = 500
 def check_move_potentials(problem: RiskyPath, data: Mapping[str, Any]) -> float:
     """Bound that any potentials prove: the most by which a pair of moves exceeds its hazard is paid at every move of a path.
 
-    ``potentials`` holds one number a move, null for infinity; ``prices``, optional, one number of at least 0 a state, which a path pays
+    ``potentials`` holds one number per move, null for infinity; ``prices``, optional, one number of at least 0 a state, which a path pays
     once at most, so that hazards may be the larger by them and the bound is the smaller by their sum. Least risk or hazard: the least
     potential of a move into a goal, or that there is no answer where all are infinite. Reward per risk: for each hazard t the rewards of
     all states that can be reached within it, as many as their least hazards leave room for, over the risk of the larger of t and what they
@@ -340,7 +340,7 @@ def _walked(problem: RiskyPath, own: FollowingMoves, best: float) -> float | Non
 
 
 def _rest(rewards: list[float], total: float, path: tuple[int, ...]) -> float:
-    """At least the rewards of the states that are not on ``path``, but for a rounding in proportion."""
+    """Upper bound, up to relative rounding, on the total reward of the states that are not on ``path``."""
     rest = total - math.fsum(rewards[state] for state in path)
     if rest > CANCELLED * total:
         return rest + 2.0 * _EPS * total

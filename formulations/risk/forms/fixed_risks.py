@@ -107,7 +107,7 @@ def compiled(problem: RiskAllocation, name: str, quantile: Floats, risks: Floats
 
 
 def uniform_risks(problem: RiskAllocation) -> Floats:
-    """Equal risks within each budget; shape (constraints,)."""
+    """The same risk for all constraints that share a budget, or less where a constraint allows less; shape (constraints,)."""
     risks = problem.caps.copy()
     for budget in problem.budgets:
         risks[budget.constraints] = np.minimum(risks[budget.constraints], budget.risk / len(budget.constraints))

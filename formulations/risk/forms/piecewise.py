@@ -129,7 +129,7 @@ def _factors(problem: RiskAllocation, deviation: Floats) -> Floats:
 
 
 def mean_risk(problem: RiskAllocation) -> float:
-    """The unit of risks: the part of one constraint in the largest budget."""
+    """The unit of risks: the largest mean risk per constraint of a budget."""
     parts = [b.risk / len(b.constraints) for b in problem.budgets if len(b.constraints)]
     return max(parts, default=float(problem.caps.max(initial=0.0)) or 1.0)
 

@@ -31,8 +31,8 @@ PRICED = (*RESOURCES, "order")
 def check_arc_multipliers(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
     """Bound on total cost, the number of vehicles, or a weighted sum of them, by any multipliers (weak duality).
 
-    ``data``: ``out`` and ``in``, lists with one number a site (entries of depots are ignored); ``fleet``, one number; ``resources``,
-    optional: lists with one number a site by name (also ``order``, the number of moves so far), negative ones read as 0; ``ray``,
+    ``data``: ``out`` and ``in``, lists with one number per site (entries of depots are ignored); ``fleet``, one number; ``resources``,
+    optional: lists with one number per site by name (also ``order``, the number of moves so far), negative ones read as 0; ``ray``,
     optional: true for multipliers of the rows alone, as if no arc cost anything. A ray with a bound above 0 proves that there is no
     answer.
 
@@ -68,7 +68,7 @@ def check_arc_multipliers(problem: RoutingProblem, data: Mapping[str, Any]) -> f
 
 
 def _bound(relaxed: Relaxation, out: Floats, into: Floats, phi: float, prices: dict[str, Floats]) -> float:
-    """The bound; vectors have one entry a node, 0 for the depot."""
+    """The bound; vectors have one entry per node, 0 for the depot."""
     usable = np.isfinite(relaxed.cost)
     used = {name: mu for name, mu in prices.items() if name in relaxed.resources and mu.any()}
     size = float(np.abs(out).max()) + float(np.abs(into).max()) + abs(phi) + float(np.abs(relaxed.cost[usable]).max(initial=0.0))

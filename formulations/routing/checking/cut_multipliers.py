@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 def check_cut_multipliers(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
     """Bound on the first level of the objective that any prices prove (weak duality); maxima count by the farthest round trip.
 
-    ``data``: ``out`` and ``in``, lists with one number a site (entries of depots are ignored); ``rates``, the price of a unit of a
+    ``data``: ``out`` and ``in``, lists with one number per site (entries of depots are ignored); ``rates``, the price of a unit of a
     resource by its name; ``cuts``, objects with ``sites``, positions of customers, ``price``, and ``of``, the position of that one of
     them whose visit is the right side, or null for what the required ones among them need. Negative prices of resources and cuts are read
     as 0.

@@ -127,11 +127,11 @@ class Choice:
     goal: int
 
     def bound(self, constant: int, least: int) -> int:
-        """At most what answers are worth whose routes have reduced costs of at least ``least``."""
+        """Lower bound on answers all of whose routes have reduced costs of at least ``least``."""
         return constant + min(self.fewest * least, self.most * least)
 
     def limit(self, constant: int, least: int) -> int:
-        """The reduced cost of a route from which on no answer that has it is below the goal."""
+        """The reduced cost from which on a route is in no answer below the goal."""
         return self.goal - constant - min((self.fewest - 1) * least, (self.most - 1) * least)
 
 
@@ -164,7 +164,7 @@ def listed_routes(walks: Walks, limit: int) -> tuple[Flags, Longs] | None:
 
 
 def _bits(members: Sequence[Longs], nodes: int) -> Longs:
-    """To which of some sets each node belongs, as bits, shape (nodes, words)."""
+    """The sets that each node belongs to, as bits; shape (nodes, words)."""
     bits = np.zeros((nodes, -(-len(members) // BITS)), np.int64)
     for k, nodes_of in enumerate(members):
         bits[nodes_of, k // BITS] |= np.int64(1) << (k % BITS)

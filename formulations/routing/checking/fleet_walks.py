@@ -28,7 +28,7 @@ class Rows(NamedTuple):
     """Prices of visits, of sets that loads enter, of subset rows and of sets of needed moves, which are of shape (sites, sites); customers
     are nodes but in ``visits``.
 
-    ``memory`` is who is remembered: so many of the nearest, or a list a node.
+    ``memory`` is who is remembered: so many of the nearest, or a list per node.
     """
 
     visits: Floats
@@ -192,8 +192,8 @@ def limiting(problem: RoutingProblem, resources: Mapping[str, Resource], usable:
 
 
 def remembered(problem: RoutingProblem, usable: Flags, memory: int | Ints) -> Ints:
-    """Who is remembered at each node, none at the depot: where ``memory`` is a number, so many of the nearest next to whom he can be
-    visited."""
+    """The customers that a walk remembers at each node, none at the depot; if ``memory`` is a number, that many of the nearest that can be
+    its neighbours on a route."""
     if not isinstance(memory, int):
         return memory
     at = problem.sites.customers

@@ -67,7 +67,7 @@ def verdict(*, proved: bool) -> float:
 
 
 def _reached(problem: RoutingProblem, relaxed: RoutingProblem) -> Iterator[tuple[Limits, Flags]]:
-    """For each vehicle type its limits ``without_stops``, and the customers that it may be able to visit."""
+    """The limits of each vehicle type ``without_stops``, and the customers that it may be able to visit."""
     for vehicle, unstopped in zip(problem.fleet, relaxed.fleet, strict=True):
         limits = limits_of(relaxed, unstopped)
         yield limits, within_reach(limits) & able(problem, vehicle) & within_stores(problem, vehicle)

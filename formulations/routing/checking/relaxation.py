@@ -140,11 +140,11 @@ def merged_moves(problem: RoutingProblem, moves: Flags) -> Flags:
 
 def smallest(sets: Sequence[Flags]) -> list[Flags]:
     """The sets that contain no other set of the list: who makes a move of the smaller set makes one of the larger set, too."""
-    found: list[Flags] = []
+    minimal: list[Flags] = []
     for moves in sets:
-        if not any((known <= moves).all() for known in found):
-            found = [*(known for known in found if not (moves <= known).all()), moves]
-    return found
+        if not any((known <= moves).all() for known in minimal):
+            minimal = [*(known for known in minimal if not (moves <= known).all()), moves]
+    return minimal
 
 
 def fewest_carriers(problem: RoutingProblem, groups: Sequence[Longs]) -> list[int]:
@@ -165,7 +165,7 @@ def fewest_carriers(problem: RoutingProblem, groups: Sequence[Longs]) -> list[in
 
 
 def _room(problem: RoutingProblem, capacities: Sequence[float]) -> Floats:
-    """At least what one, two, ... vehicles carry, the largest first."""
+    """Upper bounds on what one, two, ... vehicles carry together, the largest first."""
     customers = len(problem.sites.customers)
     counts = [customers if v.count is None else min(v.count, customers) for v in problem.fleet]
     each = np.array(capacities)
@@ -268,7 +268,7 @@ def carried_loads(problem: RoutingProblem, usable: Flags) -> list[Resource]:
     loaded: whoever is visited next adds his delivery to it, and it is no less than what has been collected.
     """
     problem = without_stops(problem)
-    sites, at, found = problem.sites, problem.sites.customers, list[Resource]()
+    sites, at, resources = problem.sites, problem.sites.customers, list[Resource]()
     zeros = np.zeros(len(at) + 1)
     for k in range(sites.dimensions):
         capacity = max((v.capacities[k] if k < len(v.capacities) else math.inf) for v in problem.fleet)
@@ -284,9 +284,9 @@ def carried_loads(problem: RoutingProblem, usable: Flags) -> list[Resource]:
         }
         tight = narrowed(made, usable.copy()) if made else {}
         collected = tight.get("1")
-        found += [replace(tight["0"], above=collected)] if "0" in tight else []
-        found += [collected] if collected is not None else []
-    return found
+        resources += [replace(tight["0"], above=collected)] if "0" in tight else []
+        resources += [collected] if collected is not None else []
+    return resources
 
 
 def order_resource(customers: int) -> Resource:
@@ -298,7 +298,7 @@ def order_resource(customers: int) -> Resource:
 
 
 def with_depot(problem: RoutingProblem, matrix: Floats, before: Floats) -> Floats:
-    """Merged matrix of ``before[i] + matrix[i, j]``; ``before`` has one entry a node."""
+    """Merged matrix of ``before[i] + matrix[i, j]``; ``before`` has one entry per node."""
     at = problem.sites.customers
     joined = merged(problem, matrix)
     joined[0] = first_move(problem, lambda v: matrix[v.start, at])
@@ -333,7 +333,7 @@ def _widened_resource(
 
 
 def narrowed(resources: dict[str, Resource], allowed: Flags) -> dict[str, Resource]:
-    """Reachable levels of every resource; clears from ``allowed`` what no route can use, until nothing changes."""
+    """The reachable levels of every resource; removes from ``allowed`` the moves that no route can use, until nothing changes."""
     for _ in range(_ROUNDS):
         before = int(allowed.sum())
         reachable = {}

@@ -1,4 +1,4 @@
-"""Evidence ``set-partitioning-duals``: a Lagrangian bound from one price a customer, over the cheapest route at these prices.
+"""Evidence ``set-partitioning-duals``: a Lagrangian bound from one price per customer, over the cheapest route at these prices.
 
 Further rows may have prices too: those of subsets of customers, and of the vehicles that a set of customers needs. Routes are relaxed to
 walks that may come back to a customer whom they forgot: at each customer some others are remembered, all others are forgotten there
@@ -182,10 +182,10 @@ def _apart(problem: RoutingProblem, prices: Floats, given: Given, claimed: Seque
     if fleet is None:
         return NO_ANSWER
     rows = Rows(prices[problem.sites.customers], given.loads, given.rows, given.memory, given.moves)
-    found = fleet.least(rows, claimed, LABELS, WORK)
+    least = fleet.least(rows, claimed, LABELS, WORK)
     # Each route is added up from its first move on, so that no sum is larger than nodes sizes; there are n routes at most.
-    sizes = (len(rows.visits) + 2) ** 2 * fleet.size + sum(map(abs, parts)) + abs(found)
-    return _Found(math.fsum([found, *parts]) if math.isfinite(sizes) else found, 16.0 * EPS * sizes, value_grain(problem, terms))
+    sizes = (len(rows.visits) + 2) ** 2 * fleet.size + sum(map(abs, parts)) + abs(least)
+    return _Found(math.fsum([least, *parts]) if math.isfinite(sizes) else least, 16.0 * EPS * sizes, value_grain(problem, terms))
 
 
 def _whole_bound(walks: Walks, relaxed: Relaxation, claimed: float | None, claimed_needed: float | None) -> float:
@@ -269,22 +269,22 @@ def _memory(data: Mapping[str, Any], nodes: list[int]) -> int | NDArray[np.int32
     if any(sites and not nodes[k] for k, sites in enumerate(read)):
         raise InputError("evidence 'remembered' lists sites at a depot, where nobody is remembered", "out-of-range")
     kept = [[other for other in sites if other != nodes[k]] for k, sites in enumerate(read)]
-    made = np.full((1 + max(nodes), max(map(len, kept), default=0)), -1, np.int32)
+    table = np.full((1 + max(nodes), max(map(len, kept), default=0)), -1, np.int32)
     for k, sites in enumerate(kept):
-        made[nodes[k], : len(sites)] = sites
-    return made
+        table[nodes[k], : len(sites)] = sites
+    return table
 
 
 def entries(data: Mapping[str, Any], key: str, keys: Set[str], optional: Set[str] = frozenset()) -> Sequence[Mapping[str, Any]]:
     """Objects of a list in evidence, which have all of some keys, and no others but some that they need not have."""
-    found = data.get(key, [])
-    right = isinstance(found, list) and all(isinstance(entry, Mapping) and keys <= entry.keys() <= keys | optional for entry in found)
+    values = data.get(key, [])
+    right = isinstance(values, list) and all(isinstance(entry, Mapping) and keys <= entry.keys() <= keys | optional for entry in values)
     if not right:
         expected = f"a list of objects with {', '.join(sorted(keys))}"
-        raise InputError(f"evidence {key!r} is malformed", expected=expected, found=printable(found, 80))
-    if len(found) > ROWS:
-        raise InputError(f"evidence has too many {key}", "too-large", expected=f"at most {ROWS:,}", found=f"{len(found):,}")
-    return list(found)
+        raise InputError(f"evidence {key!r} is malformed", expected=expected, found=printable(values, 80))
+    if len(values) > ROWS:
+        raise InputError(f"evidence has too many {key}", "too-large", expected=f"at most {ROWS:,}", found=f"{len(values):,}")
+    return list(values)
 
 
 def customers_of(sites: Any, nodes: list[int], what: str) -> list[int]:

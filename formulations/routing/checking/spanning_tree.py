@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 def check_spanning_tree(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
     """Bound on total cost, the number of vehicles, or a weighted sum of them, that any node prices prove.
 
-    ``data``: ``multipliers``, one number a site (entries of depots are ignored); ``depot``, optional: the price of a tree edge at the
+    ``data``: ``multipliers``, one number per site (entries of depots are ignored); ``depot``, optional: the price of a tree edge at the
     depot.
 
     Source: Held and Karp (1970, 1971) for one route; Christofides, Mingozzi, Toth (1981) for k-degree centre trees.

@@ -1,4 +1,4 @@
-"""Evidence ``state-space``: a Lagrangian bound from one price a site, over the best walk of each type of vehicle at these prices.
+"""Evidence ``state-space``: a Lagrangian bound from one price per site, over the best walk of each type of vehicle at these prices.
 
 Routes are relaxed to walks from the start to the end of the vehicle that never return straight to where they came from (no i-j-i), and on
 which one resource is counted in whole steps and within its limits, by dynamic programming over steps and sites. The limits of other
@@ -41,7 +41,7 @@ _NEAR = 1e-9
 def check_state_space(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
     """Bound on the first level of the objective that any prices of visits prove; maxima count by the farthest round trip.
 
-    ``data``: ``prices``, one number a site (entries of depots are ignored); ``resource``, which is counted (also ``order``, the number of
+    ``data``: ``prices``, one number per site (entries of depots are ignored); ``resource``, which is counted (also ``order``, the number of
     moves); ``step``, a positive number of its units; ``shares``, optional: non-negative prices by the name of another resource. Nothing
     is proved where there are too many steps, or no walk at all.
 

@@ -1,4 +1,4 @@
-"""Who is visited in each answer, and who in none, as far as the problem says so without a search."""
+"""Customers that every answer visits, and those that none does, as far as the data show it without a search."""
 
 from __future__ import annotations
 

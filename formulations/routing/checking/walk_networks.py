@@ -186,16 +186,16 @@ def whole_levels(resources: Sequence[Resource], usable: Flags, *, counted: bool)
     for k, partner in enumerate(partners):
         if partner >= 0:  # levels that are compared are counted in the same steps
             exponents[k] = exponents[partner] = min(exponents[k], exponents[partner])
-    made = [_whole_level(resource, usable, exponent) for resource, exponent in zip(resources, exponents, strict=True)]
-    ranked = sorted(range(len(made)), key=lambda k: steps(made[k]))
-    first = made[ranked[0]]
+    levels = [_whole_level(resource, usable, exponent) for resource, exponent in zip(resources, exponents, strict=True)]
+    ranked = sorted(range(len(levels)), key=lambda k: steps(levels[k]))
+    first = levels[ranked[0]]
     most = math.floor(steps(first)[1]) + 1
     if counted or bool((first[0][1:, 1:][inner] == 0).any()) or most > LONGEST:
-        made.append(_whole_level(order_resource(len(usable) - 1), usable, 0))
+        levels.append(_whole_level(order_resource(len(usable) - 1), usable, 0))
         partners.append(-1)
         ranked = [len(ranked), *ranked] if steps(first)[0] else [*ranked, len(ranked)]
         most = len(usable) - 1
-    weights, starts, lowers, uppers = zip(*(made[k] for k in ranked), strict=True)
+    weights, starts, lowers, uppers = zip(*(levels[k] for k in ranked), strict=True)
     above = np.array([ranked.index(partners[k]) if partners[k] >= 0 else -1 for k in ranked], dtype=np.int64)
     return Levels(np.array(weights), np.array(starts, dtype=np.int64), np.column_stack(lowers), np.column_stack(uppers), above, most)
 

@@ -45,7 +45,7 @@ class Load:
 class Multipliers:
     """Multipliers of all rows; customers are nodes here.
 
-    ``visits`` has one price a customer; ``listed``, shape (nodes, positions), who is remembered at each node, without himself, -1 behind;
+    ``visits`` has one price per customer; ``listed``, shape (nodes, positions), who is remembered at each node, without himself, -1 behind;
     ``moves`` are sets, shape (nodes, nodes), of each of which one is made at least, with a price of at least 0.
     """
 

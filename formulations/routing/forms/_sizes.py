@@ -20,7 +20,7 @@ SAMPLE = 100
 """Sites of which all moves are looked at."""
 
 MATRICES = 6
-"""Matrices of one number a move that are in memory at once while moves are prepared; there are more of them for each resource."""
+"""Matrices of one number per move that are in memory at once while moves are prepared; there are more of them for each resource."""
 
 MATRICES_OF_RESOURCE = 3
 

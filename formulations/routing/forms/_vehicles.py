@@ -87,7 +87,7 @@ class VehicleColumns:
         return (self.first + np.asarray(arcs, dtype=np.int64)[:, None] * self.count + np.arange(self.count)).ravel()
 
     def along(self, arcs: Ints, value: Floats) -> Part:
-        """Entries of one row a vehicle: the values of its arcs."""
+        """Entries of one row per vehicle: the values of its arcs."""
         return np.repeat(np.arange(self.count), len(arcs)), self.each(arcs), np.tile(value, self.count)
 
     def largest_out(self, value: Floats) -> Floats:
@@ -97,7 +97,7 @@ class VehicleColumns:
         return largest
 
     def over_arcs(self, name: str, arcs: Ints, value: Floats, lower: float, upper: float, column: int | None = None) -> Rows:
-        """One row a vehicle over its arcs, and over -1 times its column from ``column`` on."""
+        """One row per vehicle over its arcs, and over -1 times its column from ``column`` on."""
         count, size = self.count, len(arcs)
         if column is None:
             return Rows(
@@ -334,7 +334,7 @@ def _flow(kind: VehicleColumns) -> Rows:
 
 
 def time_rows(kind: VehicleColumns) -> Rows:
-    """t_i - t_j + M x <= M - s_i - d_ij, three entries a row."""
+    """t_i - t_j + M x <= M - s_i - d_ij, three entries per row."""
     count = kind.count
     tail, head, weight = kind.tail, kind.head, kind.with_idle(kind.prep.time.weight, kind.idle_duration)
     big = kind.upper[tail] + weight - kind.lower[head]

@@ -1,6 +1,6 @@
 """The circuit form, for solvers that know what a circuit is: routes are circuits through the depot, and no row has to join their arcs.
 
-Where all customers must be visited and the two-index forms can take the problem, one variable an arc says enough. Every other problem
+Where all customers must be visited and the two-index forms can take the problem, one variable per arc says enough. Every other problem
 that the three-index form can take is written with its variables and rows, less ``depart``, ``flow`` and, without shipments, ``order``:
 the arcs with x_ijk = 1, the loops (i,i) with off_ik = 1, which leave a customer to the other vehicles, and (g,o), which is always used
 (back_k = 1), are one circuit. It has no linear relaxation. Rows: docs/formulations/routing.md#circuit-form.
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 def arcs_say_enough(problem: RoutingProblem) -> bool:
-    """Whether one variable an arc will do, and no customer may be left out."""
+    """Whether one variable per arc will do, and no customer may be left out."""
     required = bool(problem.sites.required[problem.customers].all())
     return required and problem.features() <= two_index.FEATURES and not two_index.refuses(problem)
 
@@ -58,7 +58,7 @@ def _of_arcs(problem: RoutingProblem) -> Compiled:
 
 
 def _of_each_vehicle(blocks: VehicleBlocks) -> tuple[Circuit, ...]:
-    """One circuit a vehicle, with its loops."""
+    """One circuit per vehicle, with its loops."""
     nodes, circuits = np.arange(1, blocks.nodes + 1), []
     for kind in blocks.types:
         count, end = kind.count, kind.prep.end

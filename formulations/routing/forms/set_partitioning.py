@@ -181,7 +181,7 @@ class _RouteColumns(Blocks):
         self.rows.append(rows("risk", 1, [(np.zeros(len(columns), dtype=np.int64), columns, share)], upper=1.0))
 
     def _maximum(self, term: str, what: str) -> None:
-        """The greatest amount of the routes, a row a site."""
+        """The greatest amount of the routes, a row per site."""
         name = {"longest-route": "longest", "latest-return": "latest"}.get(term, term)
         least = self.opens if term == "latest-return" else 0.0
         amount = np.array([float(getattr(r, what)) for r in self.routes])
@@ -239,7 +239,7 @@ class _RouteColumns(Blocks):
         return (exact or good)[0]
 
     def _worth(self, r: Priced) -> tuple[float, ...]:
-        """All that counts, less being better."""
+        """All criteria of a route, each to be minimised."""
         signs = [1.0 if sense == "min" else -1.0 for sense in self.problem.senses]
         shares = [sign * _share(r, level) for sign, level in zip(signs, self.levels, strict=True)]
         risk = () if self.problem.team_risk is None else (r.overrun,)

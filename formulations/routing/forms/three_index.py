@@ -88,7 +88,7 @@ def refuses(problem: RoutingProblem) -> frozenset[str]:
 
 
 def build(problem: RoutingProblem) -> Compiled:
-    """The program of the three-index form; an unlimited type counts as one vehicle a customer."""
+    """The program of the three-index form; an unlimited type counts as one vehicle per customer."""
     return with_levels(problem, partial(written, form="three-index"))
 
 

@@ -25,7 +25,7 @@ chord of the quantile, and McCormick's plane for the product of both; in ``three
 chord of the deviation, the tangent of the quantile, and the plane below. Where each route has a risk of its own there is one quantile, and
 no r. The first piece is that of no variance. The optimum lies between the two.
 
-Source: Charnes and Cooper (1959); Stewart and Golden (1983); with cones van de Panne and Popp (1963). One binary a piece as in Croxton,
+Source: Charnes and Cooper (1959); Stewart and Golden (1983); with cones van de Panne and Popp (1963). One binary per piece as in Croxton,
 Gendron and Magnanti (2003), "A comparison of mixed-integer programming models for nonconvex piecewise linear cost minimization problems";
 planes of McCormick (1976); docs/formulations/routing.md#risk.
 """

@@ -1,9 +1,9 @@
-"""Two-index forms: one binary variable an arc, whatever the number of vehicles, and *resources* that grow along routes.
+"""Two-index forms: one binary variable per arc, whatever the number of vehicles, and *resources* that grow along routes.
 
 All vehicles are alike and start and end at the same depots. Rows, resources, node levels and arc flows, and which form writes which:
 docs/formulations/routing.md#two-index-forms. A route i_0 = 0, i_1, ... may use levels v with v_0 = lo_0, v_j >= v_i + w_ij and
 lo_j <= v_j <= up_j: exactly those routes are feasible. ``two-index-unit-flow`` writes limited resources with node levels, and beside them
-always the order as arc flows: f_ij counts the visits up to i, one commodity that leaves the depot and gains one unit a customer, so that
+always the order as arc flows: f_ij counts the visits up to i, one commodity that leaves the depot and gains one unit per customer, so that
 every customer is connected to the depot whatever durations are. Durations and their costs are costs of arcs where nobody can have to
 wait.
 
@@ -93,7 +93,7 @@ def beyond_rounding(difference: Floats, *terms: Floats) -> NDArray[np.bool_]:
 
 
 class ArcColumns(Blocks):
-    """A column an arc, and the other columns and rows of one program, block after block."""
+    """A column per arc, and the other columns and rows of one program, block after block."""
 
     def __init__(self, problem: RoutingProblem, prep: Preparation) -> None:
         super().__init__(problem)
@@ -151,7 +151,7 @@ class ArcColumns(Blocks):
             yield np.full(len(leaving), number), leaving, 1.0
 
     def node_levels(self, r: Resource) -> None:
-        """A resource as one level a customer."""
+        """A resource as one level per customer."""
         prep, lo, up, w = self.prep, r.lower, r.upper, r.weight
         first = self.add_columns(r.name, (self.customers,), (self.node_names,), lo[1:-1], up[1:-1])
 

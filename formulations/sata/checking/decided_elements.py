@@ -23,7 +23,7 @@ _EPS = float(np.finfo(np.float64).eps)
 
 
 def split(problem: Any, worth: Floats) -> tuple[Floats, Floats]:
-    """Numbers of the taken elements, and of all elements with 0 for every one that is decided."""
+    """``worth`` of the taken elements, and of all elements with 0 for every one that is decided."""
     undecided = worth.copy()
     undecided[problem.dropped] = 0.0
     undecided[problem.taken] = 0.0

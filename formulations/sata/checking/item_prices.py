@@ -1,4 +1,4 @@
-"""Evidence ``item-prices``: one price an item, multiplied out against the elements.
+"""Evidence ``item-prices``: one price per item, multiplied out against the elements.
 
 For prices p >= 0 of the items and any set S of elements, each item is worth its price and what the best element gives beyond it::
 
@@ -35,8 +35,8 @@ _STRIP = 2**22
 def check_item_prices(problem: Any, data: Mapping[str, Any]) -> float:
     """Upper bound on a coverage or facility-location problem that any prices of its items prove.
 
-    ``data`` holds ``prices``, one number an item, of which negative ones count as 0, and under several budgets possibly ``multipliers``,
-    one number a row, for a budget that they make of all. The bound is infinite where the sums overflow, and minus infinity where decided
+    ``data`` holds ``prices``, one number per item, of which negative ones count as 0, and under several budgets possibly ``multipliers``,
+    one number per row, for a budget that they make of all. The bound is infinite where the sums overflow, and minus infinity where decided
     elements leave no answer. All sums are of nonnegative terms, and are rounded upwards.
 
     Source: linear programming duality for the facility-location problem (Cornuéjols, Fisher, Nemhauser 1977);

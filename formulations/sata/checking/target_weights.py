@@ -1,4 +1,4 @@
-"""Evidence ``target-weights``: one weight a target, multiplied out against the robots' actions.
+"""Evidence ``target-weights``: one weight per target, multiplied out against the robots' actions.
 
 For weights y >= 0 of the targets and any way to use the robots, the worst-covered target is covered no better than the weighted
 mean, and the mean no better than if every robot took the action that serves the mean best::

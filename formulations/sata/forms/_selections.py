@@ -111,13 +111,13 @@ def edges_size(problem: SubmodularSelection, each: tuple[float, float, float, fl
 
 
 def choice(edges: Edges) -> Variables:
-    """One binary variable an element."""
+    """One binary variable per element."""
     n = edges.elements
     return Variables("x", (np.arange(n),), (edges.names,), lower=np.zeros(n), upper=np.ones(n), cost=np.zeros(n), integer=True)
 
 
 def constraint_rows(problem: SubmodularSelection) -> Rows:
-    """The constraint's rows: ``cardinality``, ``budget``, or a row a group (a robot)."""
+    """The constraint's rows: ``cardinality``, ``budget``, or a row per group (a robot)."""
     limits = problem.constraint.rows(problem.num_elements)
     assert limits is not None  # no form takes a constraint that is known by what it allows only
     size, parts = len(limits.limit), [(limits.row, limits.element, limits.coefficient)]

@@ -47,7 +47,7 @@ def facility_location(problem: SubmodularSelection) -> Compiled:
 
     The rows of an item add up to u_jl <= sum of x_e over all elements that give it w_jl or more, the radius formulation of Cornuéjols,
     Nemhauser and Wolsey; written so, each edge stands in one row. The two have the same points, and the LP has the value of the strong
-    linearisation. Only x needs to be whole. Coverage, and weights that are all alike, have one row an item.
+    linearisation. Only x needs to be whole. Coverage, and weights that are all alike, have one row per item.
 
     Evidence ``item-prices``: with the duals v_jl >= 0 of the level rows the bound u_jl <= 1 is worth s_jl = max(0, w_jl - w_j,l-1 - v_jl +
     v_j,l-1), and p_j = sum_l s_jl. Adding up, v_jl >= w_jl - p_j, and v_jl >= 0 is what a link of that weight is worth, so the prices prove

@@ -56,7 +56,7 @@ def insertions(flag, start, between, path, waiting):  # type: ignore[no-untyped-
 
 @kernel("f8(f8[::1], f8[:, ::1], i8[::1], i8, b1)")
 def cost_of(start, between, path, count, waiting):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """Length of the first ``count`` stops of a path, or the sum of the ways of its tasks."""
+    """Length of a path over its first ``count`` tasks; if ``waiting``, the sum over these tasks of the length of the path up to each."""
     total = 0.0
     for k in range(count):
         leg = start[path[k]] if k == 0 else between[path[k - 1], path[k]]

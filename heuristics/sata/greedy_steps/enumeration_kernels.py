@@ -63,7 +63,7 @@ def best_set(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
 
 @kernel("(i8[::1], i4[::1], i4[::1], read(i4[::1]), read(i4[::1]), read(f8[::1]), f8[:, ::1])")
 def best_bottleneck(flag, starts, actions, indptr, indices, weights, rest):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """One action a robot such that the worst target is covered best; ``rest[i, j]`` bounds what robots from i on can give target j."""
+    """One action per robot such that the worst target is covered best; ``rest[i, j]`` bounds what robots from i on can give target j."""
     robots, targets = len(starts) - 1, rest.shape[1]
     covered = np.zeros((robots + 1, targets))
     place = np.full(robots + 1, -1)

@@ -1,4 +1,4 @@
-"""Generalised assignments in CSV: one row a pair of agent and job, one a capacity; documented in ``docs/formats.md``."""
+"""Generalised assignments in CSV: one row per pair of agent and job, and one per capacity; documented in ``docs/formats.md``."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""Costs of assignments as a matrix in CSV: one row a robot, one column a bin; documented in ``docs/formats.md``."""
+"""Costs of assignments as a matrix in CSV: one row per robot, one column per bin; documented in ``docs/formats.md``."""
 
 from __future__ import annotations
 

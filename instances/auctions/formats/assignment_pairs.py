@@ -1,4 +1,4 @@
-"""Costs of assignments as lists of pairs in CSV: one row a pair; documented in ``docs/formats.md``."""
+"""Costs of assignments as lists of pairs in CSV: one row per pair; documented in ``docs/formats.md``."""
 
 from __future__ import annotations
 
@@ -89,8 +89,8 @@ def write(instance: Any) -> str:
     for what in ("robot", "bin"):
         places = getattr(instance, f"{what}_positions")
         further |= {f"{what}-{axis}": None if places is None else places[:, k] for k, axis in enumerate("xy")}
-    held = {title: values.tolist() for title, values in further.items() if values is not None}
-    return written([("name", instance.name)], (*COLUMNS, *held), (_cells(instance, held, *row) for row in _rows(instance)))
+    columns = {title: values.tolist() for title, values in further.items() if values is not None}
+    return written([("name", instance.name)], (*COLUMNS, *columns), (_cells(instance, columns, *row) for row in _rows(instance)))
 
 
 def _rows(instance: AssignmentInstance) -> Iterator[tuple[int, int, float]]:

@@ -1,4 +1,4 @@
-"""Robots and tasks in CSV: one row a robot or task, with its role, name and place; documented in ``docs/formats.md``."""
+"""Robots and tasks in CSV: one row per robot or task, with its role, name and place; documented in ``docs/formats.md``."""
 
 from __future__ import annotations
 

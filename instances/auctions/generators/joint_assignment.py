@@ -24,7 +24,7 @@ SETTINGS = {
 
 
 def make(draw: Draw, settings: Mapping[str, Any]) -> JointAssignmentInstance:
-    """Steps of robots without a full bin, two cells each; who is not at the repository brings nothing."""
+    """Steps of robots without a full bin, two cells each; a robot that is not at the repository brings no bin."""
     n, m, q, lanes, columns = (settings[key] for key in ("robots", "bins", "requests", "rows", "columns"))
     cells = [np.column_stack([draw.integers(0, lanes - 1, k), draw.integers(1, columns - 2, k)]) for k in (n, m, q)]
     robots, bins, requests = cells

@@ -99,7 +99,7 @@ class ExplorationWorld(World):
         }  # fmt: skip
 
     def _groups(self) -> Integers:
-        """Number of the group that each robot, and at last the base, belongs to; who is in one hears all of it, over others or not."""
+        """The group that each robot, and last the base, belongs to: all in a group can reach each other, directly or through others."""
         rooms = np.append(self.robots, self.building.base)
         heard = self._linked[np.ix_(rooms, rooms)]
         while not np.array_equal(heard, more := heard @ heard):

@@ -1,4 +1,4 @@
-"""Maps drawn in text, a character a cell, with the elements of risk in comment lines above; documented in ``docs/formats.md``.
+"""Maps drawn in text, a character per cell, with the elements of risk in comment lines above; documented in ``docs/formats.md``.
 
 ``.`` is free, ``@`` occupied, ``S`` the start, ``G`` a goal, ``~`` mud, and a digit a reward. The last line is the lowest row.
 """

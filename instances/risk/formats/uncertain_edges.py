@@ -1,4 +1,4 @@
-"""Graphs of uncertain edge costs as edge lists in CSV: one row an edge; documented in ``docs/formats.md``."""
+"""Graphs of uncertain edge costs as edge lists in CSV: one row per edge; documented in ``docs/formats.md``."""
 
 from __future__ import annotations
 

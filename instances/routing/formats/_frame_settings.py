@@ -215,7 +215,7 @@ def _matrix(file: Path, key: str, line: int | None, name: str, n: int) -> Floats
 
 
 def _table(file: Path, key: str, line: int | None, name: str) -> pd.DataFrame:
-    """A frame of vehicles, one row a type, or of windows, shipments or groups; it keeps the lines that it was read from."""
+    """A frame of vehicles, one row per type, or of windows, shipments or groups; it keeps the lines that it was read from."""
     import pandas as pd
 
     known, text = _COLUMNS[key], _text(file, key, line, name)

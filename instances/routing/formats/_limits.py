@@ -19,12 +19,12 @@ def refuse_inexpressible(instance: object, format_name: str, expressible: Collec
     if not isinstance(instance, RoutingInstance):
         message = f"{getattr(instance, 'name', 'this')} holds no routing data, so it cannot be written as {format_name}; use json"
         raise UsageError(message, "unsupported")
-    held = features(instance)
-    missing = sorted((held | ({"objective"} if instance.objective else set())) - set(expressible))
+    present = features(instance)
+    missing = sorted((present | ({"objective"} if instance.objective else set())) - set(expressible))
     if missing:
         message = f"{instance.name} cannot be written as {format_name}, which has no place for {', '.join(missing)}; use json"
         raise UsageError(message, "unsupported")
-    return held
+    return present
 
 
 def cannot(instance: RoutingInstance, format_name: str, why: str) -> UsageError:

@@ -125,7 +125,7 @@ def scan(text: str) -> Specification:
 
 
 def node_table(spec: Specification, name: str, n: int, columns: tuple[str, ...]) -> tuple[Floats, Lines]:
-    """Values of a section with one row a node, shape (n, columns), in order of the node numbers 1 to n, and the line of each."""
+    """Values of a section with one row per node, shape (n, columns), in order of the node numbers 1 to n, and the line of each."""
     section = spec.section(name)
     rows = section.rows
     if len(rows) and rows[-1][1].split() == ["-1"]:  # some writers end every section as TSPLIB ends DEPOT_SECTION
@@ -154,7 +154,7 @@ def node_table(spec: Specification, name: str, n: int, columns: tuple[str, ...])
 
 
 def node_column(spec: Specification, name: str, n: int, what: str) -> tuple[Floats, Lines]:
-    """Values of a section with one number a node, none negative, and the line of each; ``what`` is the number's name."""
+    """Values of a section with one number per node, none negative, and the line of each; ``what`` is the number's name."""
     table, lines = node_table(spec, name, n, (what,))
     refuse_negative(lines, **{what: table[:, 0]})
     return table[:, 0], lines

@@ -24,7 +24,7 @@ SCORED = frozenset({"rewards", "optional-sites", "limited-fleet", "max-distance"
 def write(instance: RoutingInstance) -> str:
     """The text; see ``Format.write``."""
     tours = isinstance(instance, RoutingInstance) and instance.problem == "orienteering"
-    held = refuse_inexpressible(instance, "vrplib", SCORED if tours else SERVED)
+    present = refuse_inexpressible(instance, "vrplib", SCORED if tours else SERVED)
     sites, travel, vehicle = instance.sites, instance.travel, instance.fleet[0]
     n, own = len(sites), travel.metric in (EXPLICIT, "euclidean")
     refuse_where(
@@ -37,20 +37,20 @@ def write(instance: RoutingInstance) -> str:
     )  # fmt: skip
     if tours:
         return _orienteering(instance)
-    windows, tsp, name = bool(held & {"time-windows", "depot-windows"}), instance.problem == "tsp", instance.name
+    windows, tsp, name = bool(present & {"time-windows", "depot-windows"}), instance.problem == "tsp", instance.name
     refuse_where(
         instance, "vrplib",
         (windows and not finite(sites.due), "every site needs a due date if one has it"),
-        (tsp and (held - {"limited-fleet", "max-duration"} or sites.depots[0] != 0),
+        (tsp and (present - {"limited-fleet", "max-duration"} or sites.depots[0] != 0),
          "a TSP has no windows, service, loads, and its first node is the depot"),
-        (tsp and (vehicle.count != 1 or "max-duration" in held), "a TSP has one vehicle without a limit"),
-        (not tsp and "capacity" not in held and ("demands" in held or not windows), "the format needs a capacity"),
+        (tsp and (vehicle.count != 1 or "max-duration" in present), "a TSP has one vehicle without a limit"),
+        (not tsp and "capacity" not in present and ("demands" in present or not windows), "the format needs a capacity"),
         (not tsp and vehicle.count is None and FLEET_IN_NAME.search(name) and not SET_X.match(name),
          "the fleet is unlimited, but the end of its name would be read as a limit"),
     )  # fmt: skip
     symmetric = travel.matrix is None or np.array_equal(travel.matrix, travel.matrix.T)
     kind = ("TSP" if symmetric else "ATSP") if tsp else "VRPTW" if windows else "CVRP"
-    if "pickups" in held:
+    if "pickups" in present:
         if windows and always_open(travel, sites.ready, sites.due, sites.service):
             raise cannot(instance, "vrplib", "windows that no route can outlast are not told from none")
         if not windows and math.isinf(longest_route(travel)):

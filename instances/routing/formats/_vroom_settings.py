@@ -20,7 +20,7 @@ PARTS = ("vehicles", "jobs", "shipments")
 
 
 def location_of(data: Mapping[str, Any], key: str, path: str) -> tuple[float, float] | None:
-    """Longitude and latitude; None where there are none."""
+    """Longitude and latitude under ``key``, in degrees; None if the key is missing or null."""
     if data.get(key) is None:
         return None
     x, y = (real(v, f"{path}.{key}[{k}]") for k, v in enumerate(array(data[key], f"{path}.{key}", 2)))

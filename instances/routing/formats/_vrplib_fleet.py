@@ -1,6 +1,6 @@
 """Vehicles that differ, several depots and prizes in VRPLIB files, as PyVRP reads and writes them.
 
-A quantity of vehicles is a header (the same for all) or a section with one row a vehicle: ``CAPACITY``, ``VEHICLES_MAX_DISTANCE``,
+A quantity of vehicles is a header (the same for all) or a section with one row per vehicle: ``CAPACITY``, ``VEHICLES_MAX_DISTANCE``,
 ``VEHICLES_MAX_DURATION``, ``VEHICLES_FIXED_COST``, ``VEHICLES_UNIT_DISTANCE_COST``. ``VEHICLES_DEPOT_SECTION`` tells the depot of each,
 ``PRIZE_SECTION`` what a visit is worth: a customer with a prize may be left out, and then it is missed. ``BACKHAUL_SECTION`` is what is
 picked up; in files of ``TYPE: VRPB`` after all deliveries of a route, of which there is at least one.
@@ -8,7 +8,7 @@ picked up; in files of ``TYPE: VRPB`` after all deliveries of a route, of which 
 ``MUTUALLY_EXCLUSIVE_GROUP_SECTION`` those of each group.
 
 The mixed fleets of Pessoa, Sadykov and Uchoa have a header ``VEHICLE_KINDS`` and one line below each of ``CAPACITIES, FIXED_COSTS,
-VARIABLE_COSTS`` and ``NUMBER_OF_VEHICLES``, with one number a kind.
+VARIABLE_COSTS`` and ``NUMBER_OF_VEHICLES``, with one number per kind.
 
 Source: documentation of PyVRP, "supported VRPLIB fields"; Pessoa, Sadykov and Uchoa (2018), European Journal of Operational Research
 270(2).
@@ -122,7 +122,7 @@ def _kinds(spec: Specification, depots: list[int], longest: float) -> tuple[Vehi
 
 
 def _quantity(spec: Specification, key: str, count: int, default: float) -> Floats:
-    """One value a vehicle."""
+    """One value per vehicle."""
     section = f"{key}_SECTION"
     lines: Sequence[int] | Lines
     if section in spec.sections:
@@ -224,7 +224,7 @@ def _node_rows(
 
 
 def at_customers(spec: Specification, section: str, what: str, n: int, depots: list[int]) -> Floats | None:
-    """One value a site, 0 at depots, of a section such as ``PRIZES``, whose numbers are called ``what``; None without the section."""
+    """One value per site, 0 at depots, of a section such as ``PRIZES``, whose numbers are called ``what``; None without the section."""
     if section not in spec.sections:
         return None
     values, lines = node_column(spec, section, n, what)

@@ -156,10 +156,10 @@ def _limit(rows: Rows) -> tuple[float, float]:
 
 def write(instance: RoutingInstance) -> str:
     """The text; see ``Format.write``."""
-    held = refuse_inexpressible(instance, "cordeau", EXPRESSIBLE)
+    present = refuse_inexpressible(instance, "cordeau", EXPRESSIBLE)
     sites, fleet, depots, xy = instance.sites, instance.fleet, instance.sites.depots.tolist(), points_of(instance, "cordeau")
     n, count = len(sites.customers), fleet[0].count
-    windows, several = bool(held & {"time-windows", "depot-windows"}), instance.problem == "mdvrp"
+    windows, several = bool(present & {"time-windows", "depot-windows"}), instance.problem == "mdvrp"
     refuse_where(
         instance, "cordeau",
         ([(v.start, v.end) for v in fleet] != [(d, d) for d in depots] or len({v.count for v in fleet}) > 1 or count is None,

@@ -89,8 +89,8 @@ def _shipment(value: Any, path: str) -> list[Any]:
 
 def _group(value: Any, path: str) -> Any:
     if isinstance(value, dict):
-        held = fields(value, path, ("sites", "required"), ("sites",))
-        return {**held, "sites": list(array(held["sites"], f"{path}.sites"))}
+        entries = fields(value, path, ("sites", "required"), ("sites",))
+        return {**entries, "sites": list(array(entries["sites"], f"{path}.sites"))}
     return list(array(value, path))
 
 

@@ -1,4 +1,4 @@
-"""Sites from CSV: a frame of sites as text, one row a site, with what it has no place for in comment lines at the top or in ``--set``;
+"""Sites from CSV: a frame of sites as text, one row per site, with what it has no place for in comment lines at the top or in ``--set``;
 documented in ``docs/formats.md``.
 
 The delimiter is the one of ``, ; | tab`` that occurs most often in the line of titles. Without a column ``depot`` the first

@@ -165,7 +165,7 @@ def bumps(draw: Draw, shape: tuple[int, int], count: int, spread: tuple[float, f
 
 
 def read_field(path: str) -> Floats:
-    """A table of intensities, numbers with commas, a line a row of cells, the northernmost first. Raises InputError."""
+    """A table of intensities, numbers with commas, a line per row of cells, the northernmost first. Raises InputError."""
     try:
         rows = Path(path).read_text(encoding="utf-8").splitlines()
         if not any(row.strip() for row in rows):

@@ -131,11 +131,11 @@ class PlumeWorld(World):
 
     def places(self) -> list[tuple[float, float]]:
         """Positions of all robots now, those between two cells included."""
-        found = []
+        places_ahead = []
         for a, b, arrival in zip(self.origins, self.robots, self.arrivals, strict=True):
             left = (arrival - self.clock) / flight_time(a, b, self.speed, self.drift) if arrival > self.clock else 0.0
-            found.append((b[0] + left * (a[0] - b[0]), b[1] + left * (a[1] - b[1])))
-        return found
+            places_ahead.append((b[0] + left * (a[0] - b[0]), b[1] + left * (a[1] - b[1])))
+        return places_ahead
 
     def _look(self, cell: Cell) -> None:
         if cell in self.cells:
@@ -146,9 +146,9 @@ class PlumeWorld(World):
         self._observed()
 
     def _observed(self) -> None:
-        left = tuple(max(arrival - self.clock, 0.0) for arrival in self.arrivals)
+        seconds = tuple(max(arrival - self.clock, 0.0) for arrival in self.arrivals)
         self._observation = PlumeObservation(
-            self.time, self.start, MappingProxyType(dict(self._known)), tuple(self.robots), left, self.speed, self.drift, self._box
+            self.time, self.start, MappingProxyType(dict(self._known)), tuple(self.robots), seconds, self.speed, self.drift, self._box
         )
 
     def _refuse(self, robot: Any, cell: Any) -> None:
@@ -166,12 +166,12 @@ def neighbours(cell: Cell) -> list[Cell]:
 
 def _joined(start: Cell, cells: Set[Cell]) -> set[Cell]:
     """The cells that can be reached from ``start`` from side to side, it included."""
-    found, ends = {start}, [start]
+    joined, ends = {start}, [start]
     while ends:
-        new = (cells & set(neighbours(ends.pop()))) - found
-        found |= new
+        new = (cells & set(neighbours(ends.pop()))) - joined
+        joined |= new
         ends += new
-    return found
+    return joined
 
 
 def serpentine(width: int) -> list[Cell]:

@@ -23,7 +23,7 @@ OUTSIDE = 1
 class CommunicationObservation:
     """Knowledge of the robots. All arrays are read-only, and cells are numbered row by row, ``width`` a row.
 
-    ``seen``, one row a robot, are the cells that its map holds; ``open`` the free cells that it knows of: those, and their free
+    ``seen``, one row per robot, are the cells that its map holds; ``open`` the free cells that it knows of: those, and their free
     neighbours. ``robots`` are the cells where they are, ``battery`` the steps that each can still fly, and ``groups`` the robots that
     are in contact now, over others too.
     """

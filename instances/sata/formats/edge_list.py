@@ -1,4 +1,4 @@
-"""Sensing graphs as edge lists in CSV: one row an edge, with robot, action, target and weight; documented in ``docs/formats.md``.
+"""Sensing graphs as edge lists in CSV: one row per edge, with robot, action, target and weight; documented in ``docs/formats.md``.
 
 A row without a target declares an action that sees nothing, one with a robot alone a robot without actions, and one with a target
 alone a target that nobody sees. Without a column ``weight`` every edge weighs 1.

@@ -16,7 +16,7 @@ TOLERANCE = 1e-9
 
 
 def placed(what: str, given: ArrayLike, count: int, area: Floats) -> Floats:
-    """``given`` as one position a robot or target, shape (count, 2); raises InputError if it is none, or one lies outside."""
+    """``given`` as one position per robot or target, shape (count, 2); raises InputError if it is none, or one lies outside."""
     points = np.array(given, dtype=np.float64)
     if points.shape != (count, 2):
         raise InputError(f"there must be one position {an(what)}", "wrong-shape", expected=f"({count}, 2)", found=str(points.shape))

@@ -123,12 +123,12 @@ class SearchWorld(World):
         chance = draw.uniform(0.0, 1.0, (r.robots, r.targets + 3))
         errors = f.noise * draw.normal(0.0, 1.0, 2 * r.robots * r.targets).reshape(r.robots, r.targets, 2)
         detected = self._in_sight() & (chance[:, : r.targets] < f.detection)
-        found = []
+        detections = []
         for k, place in enumerate(self.robots):
             false, radius, angle = chance[k, r.targets :]
             ghost = place + f.sensing * math.sqrt(radius) * direction(np.array([2.0 * math.pi * angle]))
-            found.append(np.concatenate([(self.targets + errors[k])[detected[k]], ghost[: int(false < f.clutter)]]))
-        return found
+            detections.append(np.concatenate([(self.targets + errors[k])[detected[k]], ghost[: int(false < f.clutter)]]))
+        return detections
 
     def _in_sight(self) -> Flags:
         return np.asarray(distances(self.robots, self.targets) <= self.filter.sensing)
@@ -162,10 +162,10 @@ class SearchWorld(World):
         away = self.targets[:, None, :] - followed.means
         squares = np.einsum("tki,kij,tkj->tk", away, np.linalg.inv(followed.covariances), away)
         closest = np.sort(np.sqrt(squares), axis=1)[:, :2].mean(axis=0)
-        found = float(self.found().sum())
+        detected = float(self.found().sum())
         traces = np.trace(mixture.covariances, axis1=1, axis2=2)
         return {
-            "found": found, "missed": self.rules.targets - found, "ospa": ospa(followed.means, self.targets),
+            "found": detected, "missed": self.rules.targets - detected, "ospa": ospa(followed.means, self.targets),
             "tracks": float(len(ends)), "components": float(len(mixture.weights)),
             "track_weight": float(followed.weights.sum()), "weight": float(mixture.weights.sum()),
             "closest": float(closest[0]) if len(ends) > 0 else math.nan, "next_closest": float(closest[1]) if len(ends) > 1 else math.nan,

@@ -181,7 +181,7 @@ class TrackingWorld(World):
 
 
 def linked(adjacent: Flags) -> Integers:
-    """Number of each node's connected component, in the order of their first nodes, from a symmetric matrix with a true diagonal."""
+    """The connected component of each node, numbered by their first nodes, of a symmetric matrix with a true diagonal."""
     least = np.arange(len(adjacent))
     while True:
         spread = np.where(adjacent, least[None, :], len(adjacent)).min(axis=1, initial=len(adjacent))

@@ -53,9 +53,9 @@ class ExploreMapSearch(Mission):
     def known(self, o: TeamObservation, robot: int) -> tuple[Floats, Integers]:
         """Beliefs and visits of all rooms by what a robot, or the base (-1), has read or was told; shapes (rooms, types, 2), (rooms,)."""
         rooms, types = o.building.num_rooms, len(self.played.prior)
-        told = o.history[np.arange(len(o.history))[:, None] < o.knows[robot]].reshape(-1, 3)
+        readings = o.history[np.arange(len(o.history))[:, None] < o.knows[robot]].reshape(-1, 3)
         count = np.zeros((3, rooms, types), dtype=np.int64)
-        np.add.at(count, (told[:, 1], told[:, 0], told[:, 2]), 1)
+        np.add.at(count, (readings[:, 1], readings[:, 0], readings[:, 2]), 1)
         visits = count[GO, :, 1]
         visits[np.unique(o.building.starts)] += 1
         beliefs = posterior(

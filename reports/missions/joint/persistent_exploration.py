@@ -91,13 +91,13 @@ class PersistentExploration(Mission):
         starts = [(h.o.base, 0.0), *((plan.cell, plan.end) for plan in aloft)]
         begin = [*(end for _, end in starts), *(h.tree[cell] * h.step for cell in o.chosen)]
         places = [*(cell for cell, _ in starts), *o.chosen]
-        found = [h.ways_from(cell, moment) for cell, moment in zip(places, begin, strict=True)]
-        times = np.array([[steps[cell] for cell in places] for steps in found]) * h.step
+        ways = [h.ways_from(cell, moment) for cell, moment in zip(places, begin, strict=True)]
+        times = np.array([[steps[cell] for cell in places] for steps in ways]) * h.step
         times = np.where(times < 0, 2.0 * h.limit, times)
         times[:, 1 : len(starts)] = 2.0 * h.limit  # nobody flies to where another robot is
         times[: len(starts)] += np.array([end for _, end in starts])[:, None]
         np.fill_diagonal(times, 0.0)
-        due = [latest_start([h.closes[c] for c in way(found[k], h.o.base)], h.step) for k in range(len(starts), len(places))]
+        due = [latest_start([h.closes[c] for c in way(ways[k], h.o.base)], h.step) for k in range(len(starts), len(places))]
         count = len(starts)
         sites = Sites.of(
             ["base", *(f"robot {plan.robot + 1}" for plan in aloft), *(f"{r},{c}" for r, c in o.chosen)],
@@ -146,7 +146,7 @@ class PersistentExploration(Mission):
         return {"pure-greedy": self._pure_greedy, "stay": lambda o: {}}
 
     def _pure_greedy(self, o: MapObservation) -> Actions:
-        v, told = self.values, False
+        v, assigned = self.values, False
         waiting = {k for k, state in enumerate(o.robots) if state.free or state.aloft} - {
             k for k, stops in self._stops.items() if any(moment >= o.clock + v["tick"] - 1e-6 for _, moment in stops)
         }
@@ -163,8 +163,8 @@ class PersistentExploration(Mission):
             if score[k] == -np.inf or not h.extend(plan, (int(h.pool[k, 0]), int(h.pool[k, 1]))):
                 waiting.discard(plan.robot)
             else:
-                told = True
-        return self._told(h) if told else {}
+                assigned = True
+        return self._told(h) if assigned else {}
 
     def measures(self, decisions: Sequence[Decision], world: World) -> dict[str, float]:
         """``selected``: views of all rounds of the step; ``assigned``: those that are on a route; ``selection_gap``: by how much all

@@ -133,9 +133,9 @@ class FireMonitoring(Mission):
 
     def measures(self, decisions: Sequence[Decision], world: World) -> dict[str, float]:
         """``asked``: hotspots in the problem of the step; ``toured``: of them, in the tour."""
-        asked = [len(d.problem.customers) for d in decisions if isinstance(d.problem, RoutingProblem)]
+        sizes = [len(d.problem.customers) for d in decisions if isinstance(d.problem, RoutingProblem)]
         toured = [len(route.visits) for d in decisions for route in d.answer or ()]
-        return {"asked": float(sum(asked)), "toured": float(sum(toured))}
+        return {"asked": float(sum(sizes)), "toured": float(sum(toured))}
 
     def scene(self, world: World) -> Scene:
         """The hotspots, marked, and the front; a link leads to the target."""

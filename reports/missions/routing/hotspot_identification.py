@@ -36,13 +36,13 @@ def mean_variances(o: HotspotObservation, which: str, arms: NDArray[np.bool_], c
     ``current``: of the belief; ``future``: of what is left of it once the cells of the footprint were measured from there. With
     ``dependent`` cells it is the mean of their variances. Source: Sung (2019), sections 5.4.5 and 5.5, (5.7).
     """
-    found = np.full(len(o.arms), np.inf)
+    variances = np.full(len(o.arms), np.inf)
     for layer in o.arms.layers:
         own = np.flatnonzero(arms[layer.arms])
         inside = layer.cells[own]
         each = o.belief.variance[inside] if which == "current" else o.belief.variance_left(inside, layer.noise)
-        found[layer.first + own] = each.mean(axis=1) / (inside.shape[1] if cells == "independent" else 1)
-    return found
+        variances[layer.first + own] = each.mean(axis=1) / (inside.shape[1] if cells == "independent" else 1)
+    return variances
 
 
 def block_start(pictures: int) -> bool:
@@ -119,9 +119,9 @@ class HotspotIdentification(Mission):
         v = self.values
         scale = SCALES[which, v["schedule"]] if v["scale"] is None else v["scale"]
         beta = bonus_weight(scale, v["rate"], len(o.taken), v["schedule"])
-        found = np.full(len(o.arms), -np.inf)
-        found[arms] = (o.arms.means(o.belief.mean) + beta * mean_variances(o, which, arms, v["cells"]))[arms]
-        return found
+        bounds = np.full(len(o.arms), -np.inf)
+        bounds[arms] = (o.arms.means(o.belief.mean) + beta * mean_variances(o, which, arms, v["cells"]))[arms]
+        return bounds
 
     def problem(self, observation: HotspotObservation) -> Problem | None:
         """Orienteering among the best arms; None before the first picture, and where no arm that can be reached is worth one."""
@@ -149,7 +149,7 @@ class HotspotIdentification(Mission):
         return chosen
 
     def actions(self, observation: HotspotObservation, problem: Problem | None, answer: Any) -> Actions:
-        """To the first arm of the route; without a route the flight ends."""
+        """Fly to the first arm of the route; end the flight if there is no route."""
         if not observation.taken:
             return self._nearest(observation)
         if problem is None or answer is None or not len(answer):
@@ -194,7 +194,7 @@ class HotspotIdentification(Mission):
         return self._fly(o, int(o.needed().argmin()))
 
     def _fly(self, o: HotspotObservation, arm: int) -> Actions:
-        """To an arm, or the end of the flight if that takes too long."""
+        """Fly to an arm; end the flight if there is no time for that."""
         return {0: arm} if o.needed()[arm] <= o.left else {}
 
     def measures(self, decisions: Sequence[Decision], world: World) -> dict[str, float]:

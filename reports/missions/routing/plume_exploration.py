@@ -87,15 +87,15 @@ def lawn_mower(
     section 4.6, whose reference curve this is; it bounds nothing: docs/missions/plume-exploration.md#errata.
     """
     west, south, east, north = box
-    found: list[tuple[float, int, list[list[Cell]]]] = []
+    plans: list[tuple[float, int, list[list[Cell]]]] = []
     for turned, (width, height) in enumerate([(east - west + 1, north - south + 1), (north - south + 1, east - west + 1)]):
         each, sweeps = math.ceil(width / robots), []
         for first in range(0, width, each):
             lanes = [[(x, y) for y in range(height)][:: -1 if (x - first) % 2 else 1] for x in range(first, min(first + each, width))]
             sweeps.append([(west + (y if turned else x), south + (x if turned else y)) for lane in lanes for x, y in lane])
         longest = max(sum(flight_time(a, b, speed, drift) for a, b in pairwise(sweep)) for sweep in sweeps)
-        found.append((longest, turned, sweeps))
-    longest, _, sweeps = min(found)
+        plans.append((longest, turned, sweeps))
+    longest, _, sweeps = min(plans)
     return sweeps, longest
 
 

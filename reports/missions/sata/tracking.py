@@ -200,7 +200,7 @@ class Tracking(Mission):
 
 
 def chosen_actions(problem: Problem, answer: Any) -> list[int]:
-    """One action a robot at most; of shares, the largest of each robot that has any, the last of equals."""
+    """One action per robot at most; of shares, the largest of each robot that has any, the last of equals."""
     if isinstance(problem, BottleneckSATA) and problem.fractional:
         return [int(action) for action in largest_shares(problem.graph, np.asarray(answer, dtype=np.float64))]
     return [int(action) for action in answer]

@@ -21,7 +21,7 @@ _IN_SCRIPTS = str.maketrans({"`": "&#96;", "$": "&#36;", "\\": "&#92;", "{": "&#
 
 
 def street_map(solution: Solution) -> Any:
-    """A ``folium.Map``: a line a route, straight from stop to stop, and a dot a site that tells its facts; ``solution.to_folium`` calls
+    """A ``folium.Map``: a line per route, straight from stop to stop, and a dot a site that tells its facts; ``solution.to_folium`` calls
     this."""
     problem = solution.problem
     if not isinstance(problem, RoutingProblem):
@@ -33,21 +33,21 @@ def street_map(solution: Solution) -> Any:
     features = answer_geojson(problem, solution.answer)["features"]
     ranks = iter(route_ranks(problem, solution.answer))
     places = [_place(one["geometry"]["coordinates"]) for one in features if one["geometry"]["type"] == "Point"]
-    made = folium.Map(tiles="OpenStreetMap")
+    canvas = folium.Map(tiles="OpenStreetMap")
     colours: dict[str, str] = {}
     for one in features:
-        told, at = one["properties"], one["geometry"]["coordinates"]
-        name, facts = _text(told.get("id", told.get("vehicle"))), folium.Popup(_facts(told), max_width=360)
-        if told["kind"] == "route":
-            colour = colours[told["vehicle"]] = COLOURS[next(ranks) % len(COLOURS)]
-            folium.PolyLine([_place(point) for point in at], color=colour, weight=4, tooltip=name, popup=facts).add_to(made)
+        data, at = one["properties"], one["geometry"]["coordinates"]
+        name, facts = _text(data.get("id", data.get("vehicle"))), folium.Popup(_facts(data), max_width=360)
+        if data["kind"] == "route":
+            colour = colours[data["vehicle"]] = COLOURS[next(ranks) % len(COLOURS)]
+            folium.PolyLine([_place(point) for point in at], color=colour, weight=4, tooltip=name, popup=facts).add_to(canvas)
         else:
-            colour = "#111111" if told["kind"] == "depot" else colours.get(told.get("vehicle"), "#888888")
+            colour = "#111111" if data["kind"] == "depot" else colours.get(data.get("vehicle"), "#888888")
             folium.CircleMarker(
-                _place(at), radius=8 if told["kind"] == "depot" else 5, color=colour, fill=True, fill_opacity=0.9, tooltip=name, popup=facts
-            ).add_to(made)
-    made.fit_bounds([[min(side) for side in zip(*places, strict=True)], [max(side) for side in zip(*places, strict=True)]])
-    return made
+                _place(at), radius=8 if data["kind"] == "depot" else 5, color=colour, fill=True, fill_opacity=0.9, tooltip=name, popup=facts
+            ).add_to(canvas)
+    canvas.fit_bounds([[min(side) for side in zip(*places, strict=True)], [max(side) for side in zip(*places, strict=True)]])
+    return canvas
 
 
 def _place(point: list[float]) -> tuple[float, float]:

@@ -25,7 +25,7 @@ def legs(problem: JointAssignment, robot: int, errand: tuple[int, int]) -> tuple
 
 @plot_of("joint-assignment")
 def plot_joint_assignment(ax: Any, problem: JointAssignment, answer: Any) -> str:
-    """A bar a robot: its way to a request, on to a bin, and how long it waits there until the bin is full."""
+    """A bar per robot: its way to a request, on to a bin, and how long it waits there until the bin is full."""
     from matplotlib.patches import Patch
 
     instance, few = problem.instance, problem.num_robots <= NAMED

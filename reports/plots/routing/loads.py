@@ -26,7 +26,7 @@ def plot_loads(
     problem: RoutingProblem, answer: Routes, *, ax: Any = None, solution: Solution | None = None, title: str | None = None,
     dimension: int = 1,
 ) -> Any:  # fmt: skip
-    """The load on board of each route, leg by leg: a bar a route, from its start on the left to its end, as high as what it carries.
+    """The load on board of each route, leg by leg: a bar per route, from its start on the left to its end, as high as what it carries.
 
     ``dimension`` is that of the load, from 1, where there are several.
     """

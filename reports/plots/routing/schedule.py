@@ -27,7 +27,7 @@ LABELLED_VISITS = 220
 def plot_schedule(
     problem: RoutingProblem, answer: Routes, *, ax: Any = None, solution: Solution | None = None, title: str | None = None
 ) -> Any:
-    """Gantt chart of an answer: a row a route, on the schedule that it is judged by.
+    """Gantt chart of an answer: a row per route, on the schedule that it is judged by.
 
     Driving is a thin line, service a bar in the colour of the route, waiting hatched; below, a line goes from each begin of service to the
     end of the site's window: the shorter, the less may be late. A visit that begins after its window is red. Time runs to the right, as

@@ -77,7 +77,7 @@ def small(seed: int) -> list[dict[str, Any]]:
 
 
 def looped(seed: int) -> list[dict[str, Any]]:
-    """Both ways at play: a task for ``spread``."""
+    """Run both methods in the closed loop for one seed: a task for ``spread``."""
     rows = []
     for method, how in LOOPS.items():
         log = run("fleet-energy", seed=seed, **FLEET, **how)
@@ -138,16 +138,16 @@ def fleet_energy(setting: StudySetting) -> Report:
 
 def broken_schedules(rows: list[dict[str, Any]]) -> list[Fault]:
     """Schedules that the checker rejects, programs without a proof, and plans that are better than the proved best."""
-    found = []
+    broken = []
     pairs: dict[int, dict[str, Any]] = {}
     for row in rows:
         if row["part"] != "schedule":
             continue
         pairs.setdefault(row["seed"], {})[row["method"]] = (row["alone"], row["takeoffs"])
         if row["faults"] or not row["proved"]:
-            found.append(Fault("answer", f"seed {row['seed']}, {row['method']}: {row['faults'] or 'not proved'}", None, row["method"]))
+            broken.append(Fault("answer", f"seed {row['seed']}, {row['method']}: {row['faults'] or 'not proved'}", None, row["method"]))
     better = [seed for seed, pair in pairs.items() if pair["one by one"] < pair["fewest takeoffs"]]
-    return [*found, *(Fault("bound", f"seed {seed}: one by one is better than the fewest takeoffs", None, "order") for seed in better)]
+    return [*broken, *(Fault("bound", f"seed {seed}: one by one is better than the fewest takeoffs", None, "order") for seed in better)]
 
 
 def means(runs: pd.DataFrame) -> list[dict[str, Any]]:

@@ -129,7 +129,7 @@ def auctions_rows(days: pd.DataFrame) -> list[dict[str, Any]]:
 
 
 def findings(days: pd.DataFrame, effects: list[dict[str, Any]]) -> list[Finding]:
-    """The source's claims, and what becomes of them where its two changes are told apart."""
+    """The source's claims, with the effects of its two changes separated."""
     found = [Finding("Figs. 3.2 to 3.4: steps and bins", "plotted", "see the table", LOST, "the plots' numbers are lost")]
     for groups in dict.fromkeys(row["groups"] for row in effects):
         own = [row for row in effects if row["groups"] == groups]
@@ -170,7 +170,7 @@ def ranges(numbers: list[int]) -> str:
 
 
 def ablation_figure(steps: pd.DataFrame, effects: pd.DataFrame) -> Figure:
-    """One row a number of groups: steps of each method over the number of robots, and what each change saves; bands are the intervals."""
+    """One row per number of groups: steps of each method over the number of robots, and what each change saves; bands are the intervals."""
     groups = sorted(set(steps["groups"]))
 
     def draw(figure: Any) -> None:

@@ -45,14 +45,14 @@ def orchard_look_ahead(setting: StudySetting) -> Report:
     done = spread(play, tasks, setting.jobs, setting.told, lambda task: f"{task[4]['robots']} robots, day {task[3]}")
     days = pd.DataFrame(done.rows)
     rows = look_ahead_rows(days)
-    found = [Finding("plans over several bins", "unsatisfactory", "see the table", LOST, "no numbers, and no description of the plans")]
+    findings = [Finding("plans over several bins", "unsatisfactory", "see the table", LOST, "no numbers, and no description of the plans")]
     for robots, alike in days.groupby("robots"):
         lead, half = apart(alike, "finished", "schedule", "auction")
         why = "a schedule knows where all standing bins are best fetched, which pays where robots are few"
-        found.append(Finding.of_lead(f"{robots} robots: schedule above the auction", "no better", lead, half, "steps", why))
+        findings.append(Finding.of_lead(f"{robots} robots: schedule above the auction", "no better", lead, half, "steps", why))
     return Report(
         "orchard-look-ahead", orchard_look_ahead.summary, frame_table("Steps until 80 bins are home, and above the auction", rows),
-        tuple(rows), tuple(done.rows), figures=(_figure(pd.DataFrame(rows)),), findings=tuple(found),
+        tuple(rows), tuple(done.rows), figures=(_figure(pd.DataFrame(rows)),), findings=tuple(findings),
         notes=("new bins are brought ahead by all; a schedule is solved anew at every decision, its first trips are begun",),
         **done.progress(),
     )  # fmt: skip

@@ -151,7 +151,7 @@ def persistent_exploration(setting: StudySetting) -> Report:
 
 
 def means(table: pd.DataFrame, methods: Sequence[str], measures: Sequence[str]) -> list[dict[str, Any]]:
-    """A row a method: mean and interval of each measure."""
+    """A row per method: mean and interval of each measure."""
     return [{"run": name, **intervals(table[table["method"] == name], measures)} for name in methods]
 
 

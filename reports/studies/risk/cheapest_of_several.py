@@ -53,7 +53,7 @@ def cheapest_of_several(setting: StudySetting) -> Report:
 
     never = all(bool((values >= one - 1e-9).all()) for values in f.values())
     wide, narrow, high, alike = f["and a higher variance"], f["and a lower variance"], f["and a higher mean"], f["two alike"]
-    found = [
+    findings = [
         Finding("Fig. 5.2: second paths of the later sets", "drawn", "see the table", LOST, "their means and variances are not given"),
         Finding.of_fact("more copies", "shift to the left", at("two alike", 2), bool((two > one).all() and (three > two).all())),
         Finding.of_fact("with diminishing returns", "yes", f"{gains[0]:.3f}, then {gains[1]:.3f}", bool(gains[1] < gains[0])),
@@ -68,7 +68,7 @@ def cheapest_of_several(setting: StudySetting) -> Report:
     return Report(
         "cheapest-of-several", cheapest_of_several.summary, frame_table("Chance that the cheapest path costs less than x", rows),
         tuple(rows),
-        figures=(_figure(),), findings=tuple(found), done=1, asked=1,
+        figures=(_figure(),), findings=tuple(findings), done=1, asked=1,
     )  # fmt: skip
 
 

@@ -28,12 +28,12 @@ def searches(seed: int, variance: float) -> list[dict[str, Any]]:
     graph = generate("prm-graph", seed, variance=variance)
     assert isinstance(graph, UncertainGraph)
     began = time.process_time()
-    found = non_dominated_paths(graph)
+    paths = non_dominated_paths(graph)
     swept = time.process_time()
     LeastMean(graph)
     ended = time.process_time()
-    edges = float(np.mean([len(path) - 1 for path in found.paths]))
-    row: dict[str, Any] = {"variance": variance, "seed": seed, "paths": len(found.paths), "edges": edges, "labels": found.labels}
+    edges = float(np.mean([len(path) - 1 for path in paths.paths]))
+    row: dict[str, Any] = {"variance": variance, "seed": seed, "paths": len(paths.paths), "edges": edges, "labels": paths.labels}
     return [row | {"sweep_seconds": swept - began, "mean_seconds": ended - swept}]
 
 
@@ -60,7 +60,7 @@ def non_dominated(setting: StudySetting) -> Report:
     every = [float(row["paths"]) for row in done.rows]
     mean, half = mean_interval(every)
     late = [1e3 * (row["sweep_seconds"] - row["mean_seconds"]) for row in done.rows]
-    found = [
+    findings = [
         Finding.of_near("paths of a set, against 69", "69", mean / PATHS - 1.0, half / PATHS, 0.05,
                         f"a correct set has {mean:.0f}; a queue ordered by dominance itself, which is no order, keeps dominated paths"),
         Finding.of_lead("seconds of the sweep above A*'s", "0.13 s longer", *mean_interval(late), "ms"),
@@ -70,7 +70,7 @@ def non_dominated(setting: StudySetting) -> Report:
     timed = [{key: value for key, value in row.items() if not key.endswith("_seconds")} for row in done.rows]
     return Report(
         "non-dominated-paths", non_dominated.summary, frame_table("Non-dominated paths of random roadmaps, means of graphs", rows),
-        tuple(rows), tuple(timed), figures=(_figure(every),), findings=tuple(found),
+        tuple(rows), tuple(timed), figures=(_figure(every),), findings=tuple(findings),
         **done.progress(),
     )  # fmt: skip
 

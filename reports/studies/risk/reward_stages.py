@@ -60,20 +60,20 @@ def reward_stages(setting: StudySetting) -> Report:
             row["optimal"] = sum(one["share"] > 1.0 - ALIKE for one in own)
             row["share"], row[f"share{HALF}"] = mean_interval([one["share"] for one in own])
             rows.append(row | {"least": min(one["share"] for one in own), "same_goal": sum(one["same_goal"] for one in own)})
-    found = [Finding("Fig. 4.11: both paths", "drawn", "-", LOST, "the grid and its rewards are lost")]
+    findings = [Finding("Fig. 4.11: both paths", "drawn", "-", LOST, "the grid and its rewards are lost")]
     for row in rows:
         said = f"{row['same_goal']} of {row['maps']} maps"
         if row["rewards"] == "the last alone":
             held, why = row["optimal"] == row["maps"], "a walk of least risk loops"
-            found.append(
+            findings.append(
                 Finding.of_fact("the last reward alone (chapter 7)", "-", f"optimal on {row['optimal']} of {row['maps']}", held, why)
             )
         else:
             why = "rewards off the least risky paths are not seen; there is no bound on what that costs"
-            found.append(Finding.of_fact("same goal as the exact planner", "yes", said, row["same_goal"] == row["maps"], why))
+            findings.append(Finding.of_fact("same goal as the exact planner", "yes", said, row["same_goal"] == row["maps"], why))
     return Report(
         "reward-stages", reward_stages.summary, frame_table("Two stages' share of the best reward per risk", rows), tuple(rows),
-        tuple(done.rows), figures=(_figure(done.rows),), findings=tuple(found),
+        tuple(done.rows), figures=(_figure(done.rows),), findings=tuple(findings),
         notes=("the best reward per risk is proved on each map; maps of 4 x 5 cells, six with a reward",), **done.progress(),
     )  # fmt: skip
 

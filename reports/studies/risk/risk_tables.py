@@ -24,7 +24,7 @@ RED = (
     (0.01, 0.01, 0.06, 0.05, 0.02, 0), (0.01, 0.01, 0.05, 0.05, 0.03, 0), (0.01, 0.01, 0.05, 0, 0.04, 0),
     (0.02, 0.02, 0.04, 0.05, 0.04, 0), (0.03, 0.04, 0.05, 0.05, 0.04, 0),
 )  # fmt: skip
-"""Table 7.1, a row a state."""
+"""Table 7.1, a row per state."""
 
 GREEN = (
     (0.01, 0.02, 0, 0, 0.01, 0), *((0.01, 0.02, 0.04, 0, 0.01, 0),) * 3, (0.03, 0.01, 0.06, 0.05, 0.02, 0), (0.04, 0.01, 0.06, 0, 0.02, 0),
@@ -79,7 +79,7 @@ def risk_tables(setting: StudySetting) -> Report:
     risk = {row["path"]: row["risk"] for row in rows}
     worth = {name: reward / risk[name] for name, reward in REWARDS.items()}
     seen = {name: math.fsum(sum(state[:2]) for state in table) for name, table in (("red", RED), ("green", GREEN))}
-    found = [
+    findings = [
         Finding.of_number("Table 7.1, risk of the red path", "0.714", risk["red"]),
         Finding.of_number("Table 7.2, risk of the green path", "0.575", risk["green"]),
         Finding.of_number("utility of the green path, 0.9 / risk", "1.565", worth["green"]),
@@ -94,9 +94,9 @@ def risk_tables(setting: StudySetting) -> Report:
         held = low <= risk[name] <= high
         why = "consistent, but the interval holds much else" if held else "the interval does not hold the risk"
         said = f"{failed} of {flown}: {low:.3f} to {high:.3f}"
-        found.append(Finding(f"failures of the {name} path", f"match {risk[name]:.3f} closely", said, UNDECIDED if held else NOT, why))
+        findings.append(Finding(f"failures of the {name} path", f"match {risk[name]:.3f} closely", said, UNDECIDED if held else NOT, why))
     chance = _same(*FLIGHTS.values())
-    found.append(Finding("failures of both paths", "red riskier", f"p = {chance:.2f}", SIGN if chance < 0.05 else UNDECIDED,
+    findings.append(Finding("failures of both paths", "red riskier", f"p = {chance:.2f}", SIGN if chance < 0.05 else UNDECIDED,
                          "ten flights each cannot tell 0.714 from 0.575; some 185 would"))  # fmt: skip
     notes = (
         "flights are the thesis': what is computed of them are intervals of Clopper and Pearson at 95 %, and Fisher's exact test",
@@ -104,7 +104,7 @@ def risk_tables(setting: StudySetting) -> Report:
     )
     return Report(
         "risk-tables", risk_tables.summary, frame_table("Risks of paths, and their flights", rows), tuple(rows), figures=(_figure(rows),),
-        notes=notes, findings=tuple(found), **broken(found[:4]), done=1, asked=1,
+        notes=notes, findings=tuple(findings), **broken(findings[:4]), done=1, asked=1,
     )  # fmt: skip
 
 

@@ -102,14 +102,14 @@ def reported(name: str, summary: str, done: Done, figure: str, setting: StudySet
     walks = pd.DataFrame(done.rows)
     rows = excess(walks)
     images = "; the aerial images and the sizes of the filters are not published, and scenes are drawn here" if "scene" in drawn else ""
-    found = [Finding(f"{figure}: excess over hindsight", "plotted", "see the table", LOST, f"the plots' numbers are lost{images}")]
+    claims = [Finding(f"{figure}: excess over hindsight", "plotted", "see the table", LOST, f"the plots' numbers are lost{images}")]
     last = next(reversed(drawn.values())) if "scene" not in drawn else drawn["scene"]
     worst = walks[(walks["method"] == "a-star") & (walks[LEVEL] == last)].nlargest(1, "excess")
     shown = [walks_figure(name, int(worst["graph"].iloc[0]), int(worst["seed"].iloc[0]), **drawn)] if len(worst) else []
     return Report(
         name, summary, frame_table("Excess, percent: distribution of each policy, and how far rags lies above it on the same graphs", rows),
         tuple(rows), tuple(done.rows), figures=(boxes_figure(name, walks), histograms_figure(name, walks), *shown), notes=(ALL_ALIKE,),
-        findings=(*found, *findings(walks, rows)), **done.progress(),
+        findings=(*claims, *findings(walks, rows)), **done.progress(),
     )  # fmt: skip
 
 
@@ -182,7 +182,7 @@ def boxes_figure(name: str, walks: pd.DataFrame) -> Figure:
 
 
 def histograms_figure(name: str, walks: pd.DataFrame) -> Figure:
-    """Distribution of each method's excess, one row a level."""
+    """Distribution of each method's excess, one row per level."""
     levels = list(dict.fromkeys(walks[LEVEL]))
 
     def draw(figure: Any) -> None:

@@ -55,7 +55,7 @@ def worked_example(setting: StudySetting) -> Report:
         if comparison == "independent":
             route, ours = rags, [risk for *_, risk in risks]
     paths = non_dominated_paths(graph).paths
-    found = [
+    findings = [
         Finding.of_fact("route of RAGS", "V_s-B-C-V_g", route, route == "S-B-C-G", exact=True),
         Finding.of_fact("non-dominated paths of the five", "all five", str(len(paths)), len(paths) == len(TOTALS), exact=True),
         *(
@@ -69,7 +69,7 @@ def worked_example(setting: StudySetting) -> Report:
     title = "Risk of each choice: the chance that the cheapest path lies elsewhere"
     return Report(
         "worked-example", worked_example.summary, frame_table(title, rows), tuple(rows), figures=(_figure(),), notes=notes,
-        findings=tuple(found), **broken(found[:4]), done=1, asked=1,
+        findings=tuple(findings), **broken(findings[:4]), done=1, asked=1,
     )  # fmt: skip
 
 

@@ -164,7 +164,7 @@ def hotspot_identification(setting: StudySetting) -> Report:
 
 
 def means(table: pd.DataFrame, methods: Mapping[str, Any], keys: Sequence[str]) -> list[dict[str, Any]]:
-    """A row a method: mean and interval of each measure."""
+    """A row per method: mean and interval of each measure."""
     return [{"method": name, **intervals(table[table["method"] == name], keys)} for name in methods]
 
 

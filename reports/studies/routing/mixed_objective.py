@@ -32,8 +32,8 @@ def rewards_of(problem: RoutingProblem) -> tuple[float, float]:
     best = solve(problem, Request(solver="highs", bound_time=0.0))
     if best.status != "optimal":
         raise CheckFailedError(f"highs did not find the optimum of {problem.name}: {best.status}")
-    told = problem.evaluate(best.answer).quantities
-    return float(told["reward"]), float(told["distance"])
+    quantities = problem.evaluate(best.answer).quantities
+    return float(quantities["reward"]), float(quantities["distance"])
 
 
 def both(places: Any, reward: Any, limit: float) -> dict[str, float]:
@@ -82,7 +82,7 @@ def mixed_objective(setting: StudySetting) -> Report:
     said = f"{lost} of {len(done.rows)} give up reward"
     why = "the whole makespan weighs less than the least reward, but two plans' rewards may differ by less"
     bound = Finding.of_fact("reward given up is at most the least reward", "-", f"{beyond} of {len(done.rows)} beyond", beyond == 0)
-    found = [
+    findings = [
         Finding.of_fact("random instances", "reward decides first", said, lost == 0, why),
         Finding.of_fact("sites (5, 0) of 10 and (-0.5, 0) of 9, limit 10", "reward 10", f"reward {example['printed_reward']:g}",
                         example["printed_reward"] >= example["reward"] - ALIKE, why),
@@ -90,7 +90,7 @@ def mixed_objective(setting: StudySetting) -> Report:
     ]  # fmt: skip
     return Report(
         "mixed-objective", mixed_objective.summary, frame_table("Optima of the sum that collect less than the largest reward", rows),
-        tuple(rows), tuple(done.rows), figures=(_figure(done.rows),), findings=tuple(found), **broken([bound]),
+        tuple(rows), tuple(done.rows), figures=(_figure(done.rows),), findings=tuple(findings), **broken([bound]),
         notes=(f"{SITES} waypoints in a square of side {SIDE:g}, one robot, routes up to {LIMIT:g}; all optima are proved",),
         **done.progress(),
     )  # fmt: skip

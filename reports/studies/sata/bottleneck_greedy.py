@@ -44,7 +44,7 @@ def bottleneck_greedy(setting: StudySetting) -> Report:
     first = [float(alone.evaluate(Selection((action,))).values[0]) for action in (0, 1)]
     known = {row["instance"]: row for row in rows}
     printed, last, binary = known["A.3 as printed"], rows[-2], known["weights 0 and 1"]
-    found = (
+    findings = (
         Finding.of_fact("optimum of the printed instance", "2", f"{printed['optimum']:g}", printed["optimum"] == 2,
                         "each target is seen once by the best choice", exact=True),
         Finding.of_fact("values of robot 1's actions on it", "1 against 0", "{:g} against {:g}".format(*first), first == [1.0, 0.0],
@@ -55,7 +55,7 @@ def bottleneck_greedy(setting: StudySetting) -> Report:
     )  # fmt: skip
     return Report(
         "bottleneck-greedy", bottleneck_greedy.summary, frame_table("Coverage of the worst target", rows), tuple(rows),
-        figures=(_figure(rows[1:-1]),), findings=found, done=1, asked=1,
+        figures=(_figure(rows[1:-1]),), findings=findings, done=1, asked=1,
     )  # fmt: skip
 
 

@@ -51,13 +51,13 @@ def communication_rounds(setting: StudySetting) -> Report:
     counts = {h: sorted({row[f"local, h = {h}"] for row in done.rows}) for h in HEIGHTS}
     fixed = all(len(own) == 1 for own in counts.values())
     said = "; ".join(f"h = {h}: {', '.join(map(str, own))}" for h, own in counts.items())
-    found = (
+    findings = (
         Finding.of_fact("rounds of greedy", "one a robot", "one a robot" if every else "other numbers", every, exact=True),
         Finding.of_fact("rounds of the local algorithm", "independent of the number of robots", said, fixed, exact=True),
     )  # fmt: skip
     return Report(
         "communication-rounds", communication_rounds.summary, frame_table("Rounds, and messages of the local one; means of graphs", rows),
-        tuple(rows), tuple(done.rows), figures=(_figure(rows),), findings=found,
+        tuple(rows), tuple(done.rows), figures=(_figure(rows),), findings=findings,
         notes=("the local algorithm's robots send longer messages in 5 h - 4 rounds here, in place of O(h log 1/eps) short ones",),
         **done.progress(),
     )  # fmt: skip

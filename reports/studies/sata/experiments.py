@@ -216,7 +216,7 @@ def _report(
 
 def _findings(plan: ExperimentPlan, trials: Sequence[dict[str, Any]]) -> list[Finding]:
     """The source's claims for each value of each parameter, trial by trial."""
-    found = [Finding("values of the figure", "plotted", "see the table", LOST, "the plots' numbers and most swept values are lost")]
+    findings = [Finding("values of the figure", "plotted", "see the table", LOST, "the plots' numbers and most swept values are lost")]
     for place, sweep in enumerate(plan.sweeps):
         at = {
             f"{sweep.key} {x:g}": own for point, x in enumerate(sweep.values)
@@ -225,14 +225,14 @@ def _findings(plan: ExperimentPlan, trials: Sequence[dict[str, Any]]) -> list[Fi
         for better, worse, claim in plan.leads:
             leads = [(label, *mean_interval([row[better] - row[worse] for row in own])) for label, own in at.items()]
             said = f"mean leads {min(lead for _, lead, _ in leads):.3g} to {max(lead for _, lead, _ in leads):.3g}"
-            found.append(Finding.of_points(f"{better} above {worse}, over {sweep.key}", claim, leads, said, "see the table"))
+            findings.append(Finding.of_points(f"{better} above {worse}, over {sweep.key}", claim, leads, said, "see the table"))
         for one, other, most in plan.alike:
             apart = {label: mean_interval([row[one] - row[other] for row in own]) for label, own in at.items()}
             base = {label: float(np.mean([row[other] for row in own])) or 1.0 for label, own in at.items()}
             points = [(label, most - abs(gap) / base[label], half / base[label]) for label, (gap, half) in apart.items()]
             said = f"at most {max(abs(gap) / base[label] for label, (gap, _) in apart.items()):.1%} apart in the mean"
-            found.append(Finding.of_points(f"{one} within {most:.0%} of {other}, over {sweep.key}", "alike", points, said))
-    return found
+            findings.append(Finding.of_points(f"{one} within {most:.0%} of {other}, over {sweep.key}", "alike", points, said))
+    return findings
 
 
 def _cell(row: Mapping[str, Any], shown: str) -> str:

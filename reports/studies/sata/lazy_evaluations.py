@@ -53,10 +53,10 @@ def lazy_evaluations(setting: StudySetting) -> Report:
     alike = sum(row["same"] for row in done.rows)
     same = Finding.of_fact("waypoints taken", "the same", f"on {alike} of {len(done.rows)} maps", alike == len(done.rows), exact=True)
     most = max(row["share"] for row in rows)
-    found = (same, Finding.of_fact("evaluations", "far fewer", f"{most:.0%} of plain greedy's at most", most < 0.5))
+    findings = (same, Finding.of_fact("evaluations", "far fewer", f"{most:.0%} of plain greedy's at most", most < 0.5))
     return Report(
         "lazy-evaluations", lazy_evaluations.summary, frame_table(f"Evaluations for {PICKS} views", rows), tuple(rows), tuple(done.rows),
-        figures=(_figure(rows),), findings=found, **broken([same]),
+        figures=(_figure(rows),), findings=findings, **broken([same]),
         notes=(
             "Algorithm 5 as printed never resets its best gain and does not end; with coverage or mutual information lazy and plain agree,",
             "with the Cauchy-Schwarz information of the source, which is not submodular, they need not",

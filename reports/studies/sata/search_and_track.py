@@ -127,7 +127,7 @@ def search_and_track(setting: StudySetting) -> Report:
 
 
 def means(table: pd.DataFrame, methods: Sequence[str] | dict[str, Any]) -> list[dict[str, Any]]:
-    """A row a method: mean and interval of each measure."""
+    """A row per method: mean and interval of each measure."""
     return [{"method": name, **intervals(table[table["method"] == name], (*MEASURES, "lost"))} for name in methods]
 
 

@@ -50,14 +50,14 @@ def tracking_bottleneck(setting: StudySetting) -> Report:
     known = {row["method"]: row for row in rows}
     said = ", ".join(f"{name} {known[name]['share_actual']:.3g}" for name in ("exact", "local", "random"))
     near = known["local"]["share_actual"] >= 0.9 * known["exact"]["share_actual"]
-    found = (
+    findings = (
         Finding("Fig. 3.16: the paths", "drawn", "see the table", LOST, "one instance, whose seed and targets are lost"),
         Finding.of_fact("share of candidates that stay covered", "comparable to the optimum", said, near),
     )
     return Report(
         "tracking-bottleneck", tracking_bottleneck.summary,
         frame_table("Worst-covered target as predicted and as it came true, share of candidates covered, targets observed", rows),
-        tuple(rows), tuple(done.rows), figures=(bottleneck_figure(rows),), notes=NOTES, findings=found, **done.progress(),
+        tuple(rows), tuple(done.rows), figures=(bottleneck_figure(rows),), notes=NOTES, findings=findings, **done.progress(),
     )  # fmt: skip
 
 

@@ -90,7 +90,7 @@ def force_vector_findings(rows: Sequence[dict[str, Any]]) -> list[Finding]:
     """The source's claims for each number of targets."""
     known = {(row["targets"], row["method"]): row for row in rows}
     counts = sorted({count for count, _ in known})
-    found = [
+    findings = [
         Finding("Fig. 3.17: targets observed", "plotted", "see the table", LOST, "the plots' numbers and Parker's breakpoints are lost")
     ]
     for key, what in (("single", "single steps"), ("kept", "targets kept in single steps"), ("average", "time averages")):
@@ -99,14 +99,15 @@ def force_vector_findings(rows: Sequence[dict[str, Any]]) -> list[Finding]:
             why = "a step is seldom worth more than the start is; force vectors spread robots, which pays where targets are few"
             if f"{key}_lead" in row:
                 lead, half = row[f"{key}_lead"], row[f"{key}_lead{HALF}"]
-                found.append(Finding.of_lead(f"greedy against force vectors, {what}, {count} targets", "greedy above", lead, half, "", why))
+                title = f"greedy against force vectors, {what}, {count} targets"
+                findings.append(Finding.of_lead(title, "greedy above", lead, half, "", why))
     for method in ("greedy", "force-vector"):
         means = [known[count, method]["average"] for count in counts]
         said = ", ".join(f"{mean:.3g}" for mean in means)
-        found.append(
+        findings.append(
             Finding.of_fact(f"{method} over the number of targets", "grows", said, all(a < b for a, b in itertools.pairwise(means)))
         )
-    return found
+    return findings
 
 
 def force_vectors_figure(rows: Sequence[dict[str, Any]]) -> Figure:

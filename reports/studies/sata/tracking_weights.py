@@ -77,16 +77,16 @@ def _errors(log: pd.DataFrame, what: str) -> pd.Series[float]:
 def weight_findings(rows: Sequence[dict[str, Any]], logs: Sequence[dict[str, Any]]) -> list[Finding]:
     """The source's claims, with exact and with noisy measurements."""
     errors = {method: _errors(log, "value") for method, log in by_method(logs)}
-    found = [Finding("Figs. 3.10 to 3.13: estimated against actual", "plotted", "see the table", LOST, "the plots' numbers are lost")]
+    findings = [Finding("Figs. 3.10 to 3.13: estimated against actual", "plotted", "see the table", LOST, "the plots' numbers are lost")]
     for row in rows:
         if row["weights"].startswith("binary"):
             said, good = f"{row['targets_error']:.1%} apart in the mean", row["targets_error"] < 0.1
-            found.append(Finding.of_fact(f"numbers of targets, {row['weights']}", "agree well", said, good))
+            findings.append(Finding.of_fact(f"numbers of targets, {row['weights']}", "agree well", said, good))
     for kind in ("", ", noisy"):
         lead, half = mean_interval(100.0 * (errors[f"inverse-distance{kind}"] - errors[f"binary{kind}"]))
         why = "positions are measured without noise, and targets predicted on straight lines"
-        found.append(Finding.of_lead(f"error of inverse distances above binary{kind}", "much larger", lead, half, "points", why))
-    return found
+        findings.append(Finding.of_lead(f"error of inverse distances above binary{kind}", "much larger", lead, half, "points", why))
+    return findings
 
 
 def weights_figure(logs: Sequence[dict[str, Any]]) -> Figure:

@@ -38,7 +38,7 @@ def answer_tables(problem: RoutingProblem, answer: Routes | None) -> list[Table]
 
 
 def routes_table(problem: RoutingProblem, answer: Routes) -> Table:
-    """One row a route: vehicle, visits, load, distance, duration, the probability of an overrun where that is limited, and the sites in
+    """One row per route: vehicle, visits, load, distance, duration, the probability of an overrun where that is limited, and the sites in
     order."""
     ids, risky = problem.sites.ids, bool(problem.features() & RISKS)
     overruns: list[float] = []
@@ -75,7 +75,7 @@ def unserved_sites(problem: RoutingProblem, answer: Routes | None) -> dict[str, 
 
 
 def unserved_table(reasons: dict[str, str]) -> Table:
-    """One row a site that stays unserved."""
+    """One row per site that stays unserved."""
     return Table("Unserved sites", (Column("site"), Column("reason", wide=True)), tuple(reasons.items()), most=SHOWN_UNSERVED)
 
 

@@ -31,7 +31,7 @@ ROWS = (
 )  # fmt: skip
 """All features that a routing problem may ask of a solver, as ``RoutingProblem.features`` names them."""
 
-PAGE_TEXT = """# Routing: who takes what
+PAGE_TEXT = """# Routing: features and the methods that take them
 
 Generated from what forms, engines and heuristics declare, by `python -m waybound.reports.tables.routing_features {page}`.
 Features are those of [the problem](routing.md#features) and its [objective](routing.md#objectives). An empty cell is a refusal by the
@@ -55,7 +55,7 @@ They search routes, and prove nothing by themselves. `vrpsolver` says that it do
 
 ## Heuristics
 
-What they guarantee is told [there](routing.md#approximations).
+Their guarantees are listed [there](routing.md#approximations).
 
 {heuristics}
 """

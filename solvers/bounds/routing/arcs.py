@@ -28,7 +28,7 @@ Flags = NDArray[np.bool_]
 Longs = NDArray[np.int64]
 
 MATRICES = 8
-"""Matrices of one number an arc that stand in memory at once in the search for a bound, and again in its check."""
+"""Matrices of one number per arc that stand in memory at once in the search for a bound, and again in its check."""
 
 ARCS_PER_SECOND = 2e6
 """Arcs that are looked at in a second of the budget; the check takes about as long again."""

@@ -287,7 +287,7 @@ class ColumnGeneration:
                 return best
 
     def _near(self, centre: Prices | None) -> Stabilisation:
-        """A way to choose prices that begins near some; a box at first with what it costs to go there and back."""
+        """A stabilisation that begins at ``centre``; the box by default at the last prices, or at first at those of round trips."""
         if self.stabilisation == BOXED:
             centre = centre or self.point.prices or self.there_and_back
         size = 0.0 if centre is None else float(np.abs(centre.visits).mean())
@@ -308,14 +308,14 @@ class ColumnGeneration:
     def _priced(self, part: Part, at: Prices, how: int, step: float) -> tuple[int, Floats, list[Drive]]:
         """Status, least reduced costs, and routes of all types."""
         reduced, fines = self.reduced_costs(part, at), at.of(self.row_cuts)
-        least, found = np.full(len(reduced), math.inf), list[Drive]()
+        least, drives = np.full(len(reduced), math.inf), list[Drive]()
         for kind, (pricer, costs, price) in enumerate(zip(self.pricers, reduced, at.routes.tolist(), strict=True)):
             # Each route pays for being one of so many.
             status, least[kind], _, routes = pricer.search(self.stop, costs, fines, how, FOUND, price - step)
             if status != 0:
                 return status, least, []
-            found += [self._turned(kind, route) for route in routes]
-        return 0, least, found
+            drives += [self._turned(kind, route) for route in routes]
+        return 0, least, drives
 
     def reduced_costs(self, part: Part, at: Prices) -> Floats:
         """Reduced costs of moves, but for the prices of subset rows."""

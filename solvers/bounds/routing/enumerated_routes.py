@@ -79,15 +79,15 @@ def routes_below(columns: ColumnGeneration, part: Part, solved: Solved, gap: flo
     )  # fmt: skip
     if status != DONE:
         return None
-    found, drives = Pool(), []
+    pool, drives = Pool(), []
     for label in ended[:number].tolist():
         visits = []
         while label > 0:
             visits.append(node[label])
             label = parent[label]
         drives.append((0, np.array(visits[::-1], dtype=np.int64)))
-    found.add(drives)
-    return found
+    pool.add(drives)
+    return pool
 
 
 def _bits(members: Sequence[list[int]], nodes: int) -> Longs:

@@ -24,7 +24,7 @@ SOURCES = {"load-shares": "round trips shared by loads", "nearest-moves": "least
 
 
 def lacks_costs(problem: RoutingProblem) -> frozenset[str]:
-    """Features that the checkers do not know, and objectives to which moves and vehicles add nothing, or add a gain."""
+    """Features that the checkers do not know; also objectives in which moves and vehicles cost nothing, or vehicles are rewarded."""
     missing, terms = unknown_features(without_stops(problem)), terms_of(problem)
     if terms is None or terms.vehicles < 0:
         return missing | {"objective:weights"}

@@ -132,13 +132,13 @@ class Prices:
     cuts: dict[Cut, float]
 
     def mixed(self, other: Prices, share: float, cuts: Sequence[Cut]) -> Prices:
-        """These prices and ``share`` of others, those of no other ``cuts``."""
+        """A convex combination of these prices and ``share`` of others, for the given ``cuts`` alone."""
         both = {cut: (1 - share) * self.cuts.get(cut, 0.0) + share * other.cuts.get(cut, 0.0) for cut in cuts}
         routes, visits = (1 - share) * self.routes + share * other.routes, (1 - share) * self.visits + share * other.visits
         return Prices(routes, visits, {cut: price for cut, price in both.items() if price})
 
     def of(self, cuts: Sequence[Cut]) -> Floats:
-        """Prices of some cuts."""
+        """The prices of the given cuts; 0 for a cut that has none."""
         return np.array([self.cuts.get(cut, 0.0) for cut in cuts])
 
 

@@ -25,7 +25,7 @@ KINDS = (((2, 1, 1, 1), 3), ((1,) * 5, 3), ((2, 2, 1, 1, 1), 4), ((3, 1, 1, 1, 1
 
 
 def visited(pool: Pool, first: int, nodes: int) -> Flags:
-    """Whom each route from number ``first`` on visits, shape (routes, nodes)."""
+    """Which customers each route from number ``first`` on visits, shape (routes, nodes)."""
     at = pool.begin[first]
     visits = np.zeros((len(pool) - first, nodes), bool)
     visits[pool.owner[at:] - first, pool.head[at:]] = True
@@ -104,13 +104,13 @@ def violated_rows(visits: Flags, values: Floats, known: set[tuple[object, ...]])
         members, excess = np.zeros((len(visits), len(weights)), np.int64), np.zeros(len(visits))
         number = violated_weights(visits, values, np.array(weights), parts, LEAST, members, excess)
         seen += [(excess[k], RouteRow(tuple(members[k].tolist()), weights, parts)) for k in range(number)]
-    counts, found, known = np.zeros(len(visits), np.int64), list[RouteRow](), set(known)
+    counts, rows, known = np.zeros(len(visits), np.int64), list[RouteRow](), set(known)
     for _, row in sorted(seen, key=lambda pair: -pair[0]):
         at = list(row.customers)
         if counts[at].max() < EACH and row.key not in known:
             counts[at] += 1
             known.add(row.key)
-            found.append(row)
-        if len(found) == MOST:
+            rows.append(row)
+        if len(rows) == MOST:
             break
-    return found
+    return rows

@@ -39,10 +39,10 @@ def best_choice(pool: Pool, partition: SetPartition, reduced: Floats, gap: float
     control = Control()
     options = replace(Options(), time_limit=seconds, gap=0.0, iterations=NODES)
     with stop.telling(control.stop):
-        found = Highs().search(program, options, control).answer
-    if found is None:
+        vector = Highs().search(program, options, control).answer
+    if vector is None:
         return None
-    return partition.routes(some.drives(np.nonzero(found[: len(some)] > 0.5)[0]))
+    return partition.routes(some.drives(np.nonzero(vector[: len(some)] > 0.5)[0]))
 
 
 def _program(pool: Pool, partition: SetPartition, cost: Floats) -> Program:

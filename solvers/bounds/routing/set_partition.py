@@ -67,13 +67,13 @@ class SetPartition:
 
     def routes(self, drives: Sequence[tuple[int, Longs]]) -> Routes:
         """The answer of some routes over nodes, each with the number of its type."""
-        left = [[[vehicle, count] for vehicle, count in one.vehicles] for one in self.types]
-        found = []
+        remaining = [[[vehicle, count] for vehicle, count in one.vehicles] for one in self.types]
+        routes = []
         for kind, walk in drives:
-            entry = next((entry for entry in left[kind] if entry[1] > 0), left[kind][0])
+            entry = next((entry for entry in remaining[kind] if entry[1] > 0), remaining[kind][0])
             entry[1] -= 1
-            found.append(Route(tuple(self.customers[walk - 1].tolist()), entry[0]))
-        return Routes(tuple(found))
+            routes.append(Route(tuple(self.customers[walk - 1].tolist()), entry[0]))
+        return Routes(tuple(routes))
 
 
 def lacks_route_costs(problem: RoutingProblem) -> frozenset[str]:

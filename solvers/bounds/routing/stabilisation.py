@@ -99,5 +99,5 @@ KINDS = (BOXED, "smoothing", "none")
 
 
 def stabilised(kind: str, size: float) -> Stabilisation:
-    """One of ``KINDS``."""
+    """A new stabilisation of the given ``kind``, one of ``KINDS``; ``size`` is the order of magnitude of the prices."""
     return {"smoothing": Smoothing, "none": Stabilisation}[kind]() if kind != BOXED else TrustRegion(size)

@@ -65,17 +65,17 @@ def violated(pool: Pool, values: Floats, nodes: int, known: dict[tuple[int, ...]
     triples, excess = np.zeros((ROOM, 3), np.int64), np.zeros(ROOM)
     number = violated_triples((visits * at) @ visits.T, visits, at, LEAST, triples, excess)
     order = np.argsort(-excess[:number], kind="stable")
-    counts, found = np.zeros(nodes, np.int64), []
+    counts, rows = np.zeros(nodes, np.int64), []
     for row in triples[order].tolist():
         if counts[row].max() >= EACH:
             continue
         counts[row] += 1
         memory = _memory(pool, used, row, nodes)
         before = known.get(tuple(row))
-        found.append(SubsetRow(tuple(row), memory if before is None else memory | before.memory))
-        if len(found) == MOST:
+        rows.append(SubsetRow(tuple(row), memory if before is None else memory | before.memory))
+        if len(rows) == MOST:
             break
-    return found
+    return rows
 
 
 def _memory(pool: Pool, used: Longs, row: list[int], nodes: int) -> Flags:

@@ -35,7 +35,7 @@ class WindowCuts:
 
     def violated(self, flow: Floats, known: set[bytes], stop: Stop = NEVER) -> list[LoadCut]:
         """Cuts that a flow over moves, shape (nodes, nodes), violates and that are not ``known`` yet, which then they are."""
-        both, found = flow + flow.T, dict[tuple[int, ...], float]()
+        both, sets = flow + flow.T, dict[tuple[int, ...], float]()
         for first in range(1, len(flow)):
             if stop.reached():
                 break
@@ -48,10 +48,10 @@ class WindowCuts:
                 members, entering, link = [*members, best], entering + 1.0 - link[best], link + both[best]
                 key = tuple(sorted(members))
                 if entering < 2.0 - LEAST and not self.served(key):
-                    found[key] = entering
+                    sets[key] = entering
                     break
         cuts = []
-        for key in itertools.islice(sorted(found, key=lambda members: found[members]), MOST):
+        for key in itertools.islice(sorted(sets, key=lambda members: sets[members]), MOST):
             inside = np.zeros(len(flow), dtype=bool)
             inside[list(key)] = True
             if inside.tobytes() not in known:

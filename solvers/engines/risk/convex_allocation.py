@@ -143,7 +143,7 @@ def room(problem: RiskAllocation, x: Floats, seed: int) -> float:
 def beyond_boole(problem: RiskAllocation, seed: int, stop: Stop) -> Floats | None:
     """A plan of risks that add up to a multiple of the budgets, about the least that allows one, where it keeps the joint risks.
 
-    The problem has joint risk, one row a constraint, and no plan whose risks add up to the budgets. None where no plan keeps them.
+    The problem has joint risk, one row per constraint, and no plan whose risks add up to the budgets. None where no plan keeps them.
     """
     low = high = 1.0
     x: Floats | None = None

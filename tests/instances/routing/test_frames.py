@@ -243,7 +243,7 @@ def test_infinite_distances_are_moves_that_cannot_be_made() -> None:
         (SHOPS, {"time_unit": "min"}, "there are times of sites or vehicles beside them; expected speed=50"),
         (SHOPS.iloc[:, :3].assign(service=5.0), {"speed": 30}, "a speed is a distance in an hour, and the unit of times is not said"),
         (SHOPS, {"time_unit": "min", "speed": -1}, "speed must be positive and finite"),
-        (SHOPS, {"time_unit": "min", "speed": 30, "fleet": pd.DataFrame({"speed": [40]})}, "speeds are told twice"),
+        (SHOPS, {"time_unit": "min", "speed": 30, "fleet": pd.DataFrame({"speed": [40]})}, "speeds are given twice"),
         (SITES, {"travel": "manhatten"}, "travel by 'manhatten' is unknown; did you mean 'manhattan'?"),
         (SITES, {"travel": "haversine"}, "travel by haversine does not fit the coordinates; expected columns lat and lon"),
         (SHOPS, {"travel": "euclidean", "time_unit": "min"}, "travel by euclidean does not fit the coordinates"),
@@ -330,7 +330,7 @@ def test_times_of_day_are_told_as_such_in_errors_reasons_and_files(tmp_path) -> 
 @pytest.mark.parametrize("title", ["demand2", "pickup2", "demand3"])
 def test_a_capacity_of_the_first_load_alone_is_no_capacity_of_the_others(given, title):
     sites = pd.DataFrame({"x": [0, 3], "y": [0, 4], "demand": [0, 1], title: [0, 9]})
-    with pytest.raises(InputError, match=r"sites have [23] loads, and capacity is told of the first alone; expected .*inf for no limit"):
+    with pytest.raises(InputError, match=r"sites have [23] loads, and capacity is given for the first alone; expected .*inf for no limit"):
         wb.RoutingProblem.from_frame(sites, **given)
 
 

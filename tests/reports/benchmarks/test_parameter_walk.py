@@ -110,3 +110,4 @@ def test_the_command_tells_the_way_through_solve(capsys: pytest.CaptureFixture[s
     assert main(["-v"]) == 0
     lines = capsys.readouterr().out.splitlines()
     assert lines[0] == "solving.solve: solve" and lines[-1] == line and line.startswith(f"{len(lines) - 1} stays, ")
+    assert f" counts {line}, " in (Path(__file__).parents[3] / "docs/architecture.md").read_text(encoding="utf-8")
