@@ -48,7 +48,7 @@ class Saddle(Engine):
     modules = ("numba", "highspy", "scipy")
     summary = "first-order and interior-point methods for large max-min LPs, with proved bounds"
     interrupts = "keeps the best answer and the best bound"
-    one_thread = bounds_itself = True
+    bounds_itself = True
     options: ClassVar[Mapping[str, Any]] = {"h": 0}
     family = "max-min"
     features = frozenset({"sensing", "packing-covering", "several-packing-rows"})
@@ -64,12 +64,12 @@ class Saddle(Engine):
         if "several-packing-rows" in problem.features():
             if h:
                 raise UsageError("saddle: h, a start from the local algorithm, needs variables of one packing row each", "out-of-range")
-            _compile("packing_covering")
+            _compile("sums", "packing_covering")
             return search_rows(problem, options, control, LEAST_GAP)  # type: ignore[arg-type]
         task = _Task(problem)
         if len(task.graph.unseen_targets):
             return task.unseen(options)
-        _compile("descent", "regret", "halpern", "normal", "multigrid")
+        _compile("descent", "sums", "regret", "halpern", "normal", "multigrid")
         return _search(task, h, options, control)
 
 
@@ -138,7 +138,7 @@ def _search(task: _Task, h: int, options: Options, control: Control) -> RawResul
             control.publish(bound=task.bound(record), evidence=task.evidence(record))
 
     record = Record(graph, max(options.gap, LEAST_GAP), news)
-    game = Game(graph, record, limits, Programs(stop, LinearPrograms(options.lp_solver, options.seed, options.threads)))
+    game = Game(graph, record, limits, Programs(stop, LinearPrograms(options.lp_solver, options.seed)), options.threads)
     if options.iterations is not None:
         limits.most_work = options.iterations * game.pass_work
     shares = None if options.start is None else task.shares(options.start)

@@ -14,6 +14,7 @@ from .....formulations.stop import Stop
 from .....instances.sata.sensing_graph import SensingGraph
 from .layout import Layout
 from .programs import Programs
+from .threads import Threads
 
 BLOCK = 1e7
 """Edges that a compiled loop reads between two looks at the limits: some 0.05 s."""
@@ -95,9 +96,12 @@ class Record:
 class Game:
     """A graph of which every target is seen, the best that is known of it, and what the methods need to work on it."""
 
-    def __init__(self, graph: SensingGraph, record: Record, limits: Limits, programs: Programs) -> None:
+    def __init__(self, graph: SensingGraph, record: Record, limits: Limits, programs: Programs, threads: int = 1) -> None:
         self.graph, self.record, self.limits, self.programs = graph, record, limits, programs
-        self.layout = Layout.of(graph)
+        self.layout = layout = Layout.of(graph)
+        self.threads = Threads(threads, self.pass_work)
+        edges = np.concatenate([[0], np.cumsum(np.diff(layout.starts)[layout.order])])[layout.first]
+        self.robot_parts, self.action_parts, self.target_parts = map(self.threads.cut, (edges, layout.starts, layout.viewer_starts))
         room = 2 * int(np.diff(graph.indptr).max(initial=0))
         self._scratch = np.empty(room, dtype=np.int32), np.empty(room), np.empty(room)
         self._queue = np.zeros(graph.num_robots, dtype=np.int32)
@@ -144,28 +148,42 @@ class RegretMatching:
 
     def __init__(self, game: Game) -> None:
         n, m = game.graph.num_actions, game.graph.num_targets
-        self._game = game
+        self._game, self._worth, self._cover = game, np.empty(n), np.empty(m)
         self.steps, self.work = 0, 0.0
         self.value, self.bound = -math.inf, math.inf
         self._shares, self._prices = even_shares(game.graph), np.full(m, 1.0 / m)
         self._mean_shares, self._mean_prices = np.zeros(n), np.zeros(m)
-        self._regrets, self._grudges, self._cover = np.zeros(n), np.zeros(m), np.zeros(m)
+        self._regrets, self._grudges = np.zeros(n), np.zeros(m)
 
     def run(self, steps: int) -> None:
         """Play ``steps`` times, or until a limit is reached."""
-        from .regret_kernels import play
-
         limits, one = self._game.limits, self._game.pass_work
         while steps > 0 and not limits.reached():
             count = min(steps, max(1, int(min(BLOCK, limits.most_work - limits.work) / one)))
-            played = play(
-                limits.stop.flag, self._game.layout, self._shares, self._prices, self._regrets, self._grudges, self._mean_shares,
-                self._mean_prices, self._cover, self.steps + 1, count,
-            )  # fmt: skip
+            played = self._play(count)
             self.steps += played
             steps -= count
             limits.work += played * one
             self.work += played * one
+
+    def _play(self, count: int) -> int:
+        """``count`` steps, or fewer; returns how many."""
+        from .regret_kernels import answer, charge, play
+        from .sums_kernels import covers
+
+        game, first, flag = self._game, self.steps + 1, self._game.limits.stop.flag
+        graph, threads, shares, prices = game.layout, game.threads, self._shares, self._prices
+        if threads.count == 1:
+            means = self._mean_shares, self._mean_prices
+            return int(play(flag, graph, shares, prices, self._regrets, self._grudges, *means, self._worth, self._cover, first, count))
+        for step in range(first, first + count):
+            if flag[0]:
+                return step - first
+            part = 6.0 * step / ((step + 1.0) * (2.0 * step + 1.0))
+            threads.share(answer, game.robot_parts, graph, prices, shares, self._worth, self._regrets, self._mean_shares, part)
+            threads.share(covers, game.target_parts, graph, shares, self._cover)
+            charge(self._cover, prices, self._grudges, self._mean_prices, part)
+        return count
 
     def conclude(self) -> tuple[Floats, Floats]:
         """Offer the mean shares and prices to the record; returns a copy of the shares, and their coverage."""

@@ -34,6 +34,7 @@ class HalpernPrimalDual:
         np.maximum.at(heaviest, graph.robot_of_action, load)
         share_steps = (1.0 / np.where(heaviest > 0.0, heaviest, 1.0))[graph.robot_of_action]
         price_steps = 1.0 / np.bincount(graph.indices, graph.weights, graph.num_targets)
+        self._between = np.empty(graph.num_actions), np.empty(graph.num_targets)
         self._restarts = Restarts(even_shares(graph), np.ones(graph.num_targets), (share_steps, price_steps), FIRST_WEIGHT)
 
     @property
@@ -42,20 +43,37 @@ class HalpernPrimalDual:
 
     def run(self, steps: int) -> None:
         """Make ``steps`` steps, or until a limit is reached."""
-        from .halpern_kernels import steps as loop
-
         limits, one, play = self._game.limits, self._game.pass_work, self._restarts
         while steps > 0 and not limits.reached():
             count = min(steps, max(1, int(min(BLOCK, limits.most_work - limits.work) / one)), 1 if play.since == 0 else ROUND)
-            made = loop(
-                limits.stop.flag, self._game.layout, *play.lengths, *play.point, *play.ahead, *play.anchor, self._level, play.since, count
-            )
+            made = self._make(count)
             play.note(made)
             steps -= count
             limits.work += made * one
             self.work += made * one
             if made == count:
                 play.look()
+
+    def _make(self, count: int) -> int:
+        """``count`` steps, or fewer; returns how many."""
+        from .halpern_kernels import move_prices, move_shares, steps
+        from .sums_kernels import covers
+
+        game, play, flag, (ahead, cover) = self._game, self._restarts, self._game.limits.stop.flag, self._between
+        (shares, prices), (new_shares, new_prices), (first_shares, first_prices) = play.point, play.ahead, play.anchor
+        threads, graph, (share_steps, price_steps) = game.threads, game.layout, play.lengths
+        if threads.count == 1:
+            return int(
+                steps(flag, graph, *play.lengths, *play.point, *play.ahead, *play.anchor, self._level, ahead, cover, play.since, count)
+            )
+        for made in range(count):
+            if flag[0]:
+                return made
+            part = (play.since + made + 1.0) / (play.since + made + 2.0)
+            threads.share(move_shares, game.robot_parts, graph, share_steps, prices, shares, new_shares, first_shares, ahead, part)
+            threads.share(covers, game.target_parts, graph, ahead, cover)
+            move_prices(price_steps, cover, prices, new_prices, first_prices, self._level, part)
+        return count
 
     def conclude(self) -> tuple[Floats, Floats]:
         """Offer the shares and prices of the last step to the record; returns a copy of the shares, and their coverage."""

@@ -15,8 +15,8 @@ class Layout(NamedTuple):
     """The arrays of a graph, as kernels take them.
 
     The actions of robot i are ``order[first[i]]`` to ``order[first[i + 1] - 1]``; ``starts``, ``targets`` and ``weights`` are the CSR form
-    of actions x targets; ``viewer_starts`` and ``viewers`` that of targets x robots, in which a robot stands once for each of its actions
-    that sees the target.
+    of actions x targets; ``viewer_starts``, ``viewing`` and ``viewer_weights`` that of targets x actions; ``viewers`` are the robots of
+    ``viewing``.
     """
 
     first: NDArray[np.int32]
@@ -25,6 +25,8 @@ class Layout(NamedTuple):
     targets: NDArray[np.int32]
     weights: Floats
     viewer_starts: NDArray[np.int32]
+    viewing: NDArray[np.int32]
+    viewer_weights: Floats
     viewers: NDArray[np.int32]
 
     @classmethod
@@ -32,11 +34,11 @@ class Layout(NamedTuple):
         """The layout of a graph."""
         first, order = graph.by_robot
         sight = graph.by_target
-        arrays = cls(first, order, graph.indptr, graph.indices, graph.weights, sight.indptr, graph.robot_of_action[sight.indices])
+        arrays = cls(first, order, graph.indptr, graph.indices, graph.weights, *sight, graph.robot_of_action[sight.indices])
         return cls(*(_read_only(array) for array in arrays))
 
 
-LAYOUT = "named(Layout, read(i4[::1]), read(i4[::1]), read(i4[::1]), read(i4[::1]), read(f8[::1]), read(i4[::1]), read(i4[::1]))"
+LAYOUT = f"named(Layout, {', '.join(f'read({kind}[::1])' for kind in ('i4', 'i4', 'i4', 'i4', 'f8', 'i4', 'i4', 'f8', 'i4'))})"
 """In the words of ``kernel``."""
 
 

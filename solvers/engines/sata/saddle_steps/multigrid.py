@@ -34,10 +34,10 @@ class Level:
     groups: int
 
     def times(self, vector: Floats) -> Floats:
-        from .multigrid_kernels import multiply
+        from .sums_kernels import multiply
 
         product = np.empty(len(vector))
-        multiply(self.starts, self.columns, self.values, vector, product)
+        multiply(self.starts, self.columns, self.values, vector, product, 0, len(product))
         return product
 
 

@@ -77,16 +77,6 @@ def coarsen(starts, columns, values, group, count):  # type: ignore[no-untyped-d
     return new_starts, new_columns[:k].copy(), new_values[:k].copy()
 
 
-@kernel("(i4[::1], i4[::1], f8[::1], f8[::1], f8[::1])")
-def multiply(starts, columns, values, vector, product):  # type: ignore[no-untyped-def]
-    """The matrix times ``vector``, into ``product``."""
-    for row in range(len(product)):
-        total = 0.0
-        for e in range(starts[row], starts[row + 1]):
-            total += values[e] * vector[columns[e]]
-        product[row] = total
-
-
 @kernel("(i4[::1], i4[::1], f8[::1], f8[::1], f8[::1], f8[::1], i4[::1], f8[::1])")
 def descend_a_level(starts, columns, values, inverse, given, solution, group, coarse):  # type: ignore[no-untyped-def]
     """Gauss-Seidel forwards from zero, then what is left of ``given``, summed over each group."""

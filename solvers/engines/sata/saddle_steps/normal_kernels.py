@@ -1,4 +1,4 @@
-"""Compiled loops of the interior point: sums over a graph and the normal matrix. Imports numba: import it inside functions only."""
+"""Compiled loops of the interior point and its normal matrix. Imports numba: import it inside functions only."""
 
 from __future__ import annotations
 
@@ -7,30 +7,10 @@ import numpy as np
 from .....formulations.kernels import kernel
 from .....formulations.stop_kernel import asked
 from .layout import LAYOUT, Layout
+from .sums_kernels import multiply
 
 _NAMED = (Layout,)
 """The named tuple that these types name."""
-
-
-@kernel(f"({LAYOUT}, f8[::1], f8[::1])")
-def worths(graph, prices, worth):  # type: ignore[no-untyped-def]
-    """What each action earns at ``prices`` of the targets."""
-    for action in range(len(worth)):
-        total = 0.0
-        for e in range(graph.starts[action], graph.starts[action + 1]):
-            total += graph.weights[e] * prices[graph.targets[e]]
-        worth[action] = total
-
-
-@kernel(f"({LAYOUT}, f8[::1], f8[::1])")
-def covers(graph, shares, cover):  # type: ignore[no-untyped-def]
-    """What each target gets from ``shares`` of the actions, of either sign."""
-    cover[:] = 0.0
-    for action in range(len(shares)):
-        share = shares[action]
-        if share != 0.0:
-            for e in range(graph.starts[action], graph.starts[action + 1]):
-                cover[graph.targets[e]] += graph.weights[e] * share
 
 
 @kernel(f"({LAYOUT}, i4[::1], i4[::1], i4[::1], i4[::1], i4[::1], i4[::1])")
@@ -108,6 +88,32 @@ def outliers(values, slacks, d_values, d_slacks, step, slack_step, least, most, 
         wanted[k] = least - product if product < least else max(most - product, -most) if product > most else 0.0
 
 
+@kernel("UniTuple(f8, 2)(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8, f8)")
+def improve(inverse, prices, found, rest, way, product, slope, scale):  # type: ignore[no-untyped-def]
+    """One iteration of ``conjugate`` but for its ``product``; returns the slope, 0 where rounding leaves none, and the largest residual."""
+    curvature = 0.0
+    for row in range(len(rest)):
+        curvature += product[row] * way[row]
+    if not curvature > 0.0:
+        return 0.0, np.inf
+    length, multiplier = slope / curvature, 0.0
+    for row in range(len(rest)):
+        found[row] += length * way[row]
+        rest[row] -= length * product[row]
+        multiplier += prices[row] * inverse[row] * rest[row]
+    multiplier /= scale
+    fresh, largest = 0.0, 0.0
+    for row in range(len(rest)):
+        left = rest[row] - multiplier * prices[row]
+        rest[row] = left
+        fresh += left * left * inverse[row]
+        largest = max(largest, abs(left))
+    ratio = fresh / slope
+    for row in range(len(rest)):
+        way[row] = rest[row] * inverse[row] + ratio * way[row]
+    return fresh, largest
+
+
 @kernel("(i8[::1], i4[::1], i4[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8, f8, f8, i8)")
 def conjugate(flag, starts, columns, values, inverse, prices, found, rest, way, product, slope, scale, residual, most):  # type: ignore[no-untyped-def]
     """Conjugate gradients with the diagonal as preconditioner, on what is orthogonal to ``prices``, ``most`` iterations or fewer where the
@@ -115,34 +121,9 @@ def conjugate(flag, starts, columns, values, inverse, prices, found, rest, way, 
 
     ``found``, ``rest`` and ``way`` change in place; ``scale`` is the sum of prices^2 ``inverse``. Returns the iterations and the slope.
     """
-    count = 0
-    while count < most and slope > 0.0 and not asked(flag):
-        curvature = 0.0
-        for row in range(len(rest)):
-            total = 0.0
-            for e in range(starts[row], starts[row + 1]):
-                total += values[e] * way[columns[e]]
-            product[row] = total
-            curvature += total * way[row]
-        if not curvature > 0.0:
-            return count, 0.0
-        length, multiplier = slope / curvature, 0.0
-        for row in range(len(rest)):
-            found[row] += length * way[row]
-            rest[row] -= length * product[row]
-            multiplier += prices[row] * inverse[row] * rest[row]
-        multiplier /= scale
-        fresh, largest = 0.0, 0.0
-        for row in range(len(rest)):
-            left = rest[row] - multiplier * prices[row]
-            rest[row] = left
-            fresh += left * left * inverse[row]
-            largest = max(largest, abs(left))
+    count, largest = 0, np.inf
+    while count < most and slope > 0.0 and largest > residual and not asked(flag):
+        multiply(starts, columns, values, way, product, 0, len(product))
+        slope, largest = improve(inverse, prices, found, rest, way, product, slope, scale)
         count += 1
-        ratio = fresh / slope
-        for row in range(len(rest)):
-            way[row] = rest[row] * inverse[row] + ratio * way[row]
-        slope = fresh
-        if largest <= residual:
-            break
     return count, slope

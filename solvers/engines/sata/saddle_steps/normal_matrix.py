@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .....formulations.sata.balls import Floats
+from .....formulations.stop import Flag
 from .game import BLOCK, Game, Limits
-from .layout import Layout
 from .multigrid import Multigrid
 
 MOST_PAIRS = 32
@@ -33,10 +33,11 @@ Numbers = NDArray[np.int32]
 class NormalMatrix:
     """The pattern of C K C', rows and columns targets, for matrices K that have a block for each robot."""
 
-    def __init__(self, layout: Layout, sees: Numbers, seen: Numbers, starts: Numbers, columns: Numbers, pairs: int) -> None:
+    def __init__(self, game: Game, sees: Numbers, seen: Numbers, starts: Numbers, columns: Numbers, pairs: int) -> None:
         from .normal_kernels import places
 
-        self.layout, self.starts, self.columns = layout, starts, columns
+        layout, self._game, self.threads, self.starts, self.columns = game.layout, game, game.threads, starts, columns
+        self._row_parts = self.threads.cut(starts)
         local, self._place = np.empty(len(layout.targets), np.int32), np.empty(pairs, np.int32)
         places(layout, sees, seen, starts, columns, local, self._place)
         self._blocks = sees, seen, local, self._place
@@ -65,30 +66,36 @@ class NormalMatrix:
         sees, seen, starts, columns = (
             np.ascontiguousarray(part, np.int32) for part in (sight.indptr, sight.indices, both.indptr, both.indices)
         )
-        return cls(game.layout, sees, seen, starts, columns, pairs)
+        return cls(game, sees, seen, starts, columns, pairs)
 
     def covers(self, shares: Floats) -> Floats:
         """C x of shape (targets,)."""
-        from .normal_kernels import covers
+        from .sums_kernels import covers
 
-        cover = np.empty(len(self.starts) - 1)
-        covers(self.layout, shares, cover)
+        game, cover = self._game, np.empty(len(self.starts) - 1)
+        self.threads.share(covers, game.target_parts, game.layout, shares, cover)
         return cover
 
     def worths(self, prices: Floats) -> Floats:
         """C'y of shape (actions,)."""
-        from .normal_kernels import worths
+        from .sums_kernels import worths
 
-        worth = np.empty(len(self.layout.starts) - 1)
-        worths(self.layout, prices, worth)
+        game, worth = self._game, np.empty(self._game.graph.num_actions)
+        self.threads.share(worths, game.action_parts, game.layout, prices, worth)
         return worth
+
+    def times(self, values: Floats, vector: Floats, product: Floats) -> None:
+        """The matrix of ``values`` times ``vector``, into ``product``."""
+        from .sums_kernels import multiply
+
+        self.threads.share(multiply, self._row_parts, self.starts, self.columns, values, vector, product)
 
     def system(self, scaling: Floats, prices: Floats, products: Floats) -> System:
         """Y C K C' Y + diag(``products``), with Y = diag(``prices``) and K = D - d d' / sum d of each robot, d its ``scaling``."""
         from .normal_kernels import assemble
 
         values = np.empty(len(self.columns))
-        assemble(self.layout, *self._blocks, scaling, prices, values)
+        assemble(self._game.layout, *self._blocks, scaling, prices, values)
         values[self.diagonal] += products
         return System(self, values, prices)
 
@@ -154,9 +161,7 @@ class System:
 
     def _with_diagonal(self, found: Floats, rest: Floats, residual: float, most: float, limits: Limits) -> bool | None:
         """Conjugate gradients; ``found`` and ``rest`` change in place. Whether that was done for a charge of ``most``, None at a limit."""
-        from .normal_kernels import conjugate
-
-        m, charge, total = self._matrix, CHARGE * len(self._values), 0
+        charge, total = CHARGE * len(self._values), 0
         way, product = rest * self._inverse, np.empty(len(rest))
         slope = float(rest @ way)
         while np.abs(rest).max() > residual:
@@ -165,19 +170,30 @@ class System:
                 return None
             if count <= 0 or not slope > 0.0:
                 return False
-            count, slope = conjugate(
-                limits.stop.flag, m.starts, m.columns, self._values, self._inverse, self._prices, found, rest, way, product, slope,
-                self._scale, residual, count,
-            )  # fmt: skip
+            count, slope = self._conjugate(limits.stop.flag, found, rest, way, product, slope, residual, count)
             limits.work += count * charge
             self.iterations += count
             total += count
         return True
 
+    def _conjugate(
+        self, flag: Flag, found: Floats, rest: Floats, way: Floats, product: Floats, slope: float, residual: float, most: int
+    ) -> tuple[int, float]:
+        from .normal_kernels import conjugate, improve
+
+        m, given = self._matrix, (self._inverse, self._prices, found, rest, way, product)
+        if m.threads.count == 1:
+            count, slope = conjugate(flag, m.starts, m.columns, self._values, *given, slope, self._scale, residual, most)
+            return count, slope
+        count, largest = 0, math.inf
+        while count < most and slope > 0.0 and largest > residual and not flag[0]:
+            m.times(self._values, way, product)
+            slope, largest = improve(*given, slope, self._scale)
+            count += 1
+        return count, slope
+
     def _with_multigrid(self, found: Floats, rest: Floats, residual: float, most: float, limits: Limits) -> bool | None:
         """The same with multigrid, whose cycles are not linear: flexible conjugate gradients."""
-        from .multigrid_kernels import multiply
-
         m, cycle, prices = self._matrix, self._multigrid, self._prices
         assert cycle is not None
         charge, product = CHARGE * len(self._values) + cycle.work, np.empty(len(rest))
@@ -198,7 +214,7 @@ class System:
                 return None
             total += 1
             self.iterations += 1
-            multiply(m.starts, m.columns, self._values, way, product)
+            m.times(self._values, way, product)
             curvature = float(way @ product)
             if total * charge > most or total > MOST_CYCLES or not (slope > 0.0 and curvature > 0.0):
                 return False

@@ -10,10 +10,11 @@ import numpy as np
 
 from .....formulations.evidence import Evidence
 from .....formulations.sata.balls import Floats
-from .....formulations.stop import Stop
+from .....formulations.stop import Flag, Stop
 from .....instances.errors import UnsupportedError
 from ....backend import Control, Options, RawResult
 from .restarts import ROUND, Restarts, inverse, length
+from .threads import Threads
 
 if TYPE_CHECKING:
     from .....formulations.sata.max_min_lp import MaxMinLP
@@ -37,10 +38,13 @@ class PackingCovering:
     """
 
     def __init__(
-        self, problem: MaxMinLP, start: Floats | None = None, news: Callable[[PackingCovering, str], Any] = lambda game, what: None
-    ) -> None:
+        self, problem: MaxMinLP, start: Floats | None = None, news: Callable[[PackingCovering, str], Any] = lambda game, what: None,
+        threads: int = 1,
+    ) -> None:  # fmt: skip
         self._packing, self._news = problem.packing.rows, news
         self._lay_out(problem)
+        self._threads = Threads(threads, 2.0 * len(self._rows[1]))
+        self._between = np.empty(len(self._columns[0]) - 1), np.empty(len(self._rows[0]) - 1)
         x = self._even if start is None else start * self._inverse_scale
         prices = np.concatenate([np.full(k, 1.0 / k) for k in (self._packing, problem.covering.rows)])
         self._level = np.zeros(1)
@@ -77,18 +81,33 @@ class PackingCovering:
 
     def run(self, stop: Stop, gap: float, most: float = math.inf) -> None:
         """Step until value and bound are within the relative ``gap``, ``stop`` is reached, or ``most`` steps are made."""
-        from .packing_covering_kernels import steps
-
         game = self._restarts
         while not self.closed(gap) and game.steps < most and not stop.reached():
-            made = steps(
-                stop.flag, *self._rows, *self._columns, self._packing, *game.lengths, *game.point, *game.ahead, *game.anchor, self._level,
-                game.since, int(min(ROUND, most - game.steps)),
-            )  # fmt: skip
+            made = self._make(stop.flag, int(min(ROUND, most - game.steps)))
             if made:
                 game.note(made)
                 self._look()
                 game.look()
+
+    def _make(self, flag: Flag, count: int) -> int:
+        """``count`` steps, or fewer; returns how many."""
+        from .packing_covering_kernels import move_prices, move_variables, steps
+        from .sums_kernels import multiply
+
+        game, threads, (reflected, load) = self._restarts, self._threads, self._between
+        (short, long), (x, prices), (next_x, next_prices), (x_anchor, price_anchor) = game.lengths, game.point, game.ahead, game.anchor
+        if threads.count == 1:
+            given = short, long, x, prices, next_x, next_prices, x_anchor, price_anchor, self._level, reflected, load
+            return int(steps(flag, *self._rows, *self._columns, self._packing, *given, game.since, count))
+        columns, rows = threads.cut(self._columns[0]), threads.cut(self._rows[0])
+        for made in range(count):
+            if flag[0]:
+                return made
+            kept = (game.since + made + 1.0) / (game.since + made + 2.0)
+            threads.share(move_variables, columns, *self._columns, short, prices, x, next_x, x_anchor, reflected, kept)
+            threads.share(multiply, rows, *self._rows, reflected, load)
+            move_prices(self._packing, long, load, prices, next_prices, price_anchor, self._level, kept)
+        return count
 
     @property
     def steps(self) -> int:
@@ -154,7 +173,7 @@ def search_rows(problem: MaxMinLP, options: Options, control: Control, least_gap
         else:
             control.publish(bound=game.bound, evidence=(game.evidence(),))
 
-    game = PackingCovering(problem, start if usable else None, news)
+    game = PackingCovering(problem, start if usable else None, news, options.threads)
     game.run(stop, max(options.gap, least_gap), math.inf if options.iterations is None else options.iterations)
     optimal = game.closed(least_gap)
     statistics: dict[str, Any] = {"steps": game.steps, "restarts": game.restarts}

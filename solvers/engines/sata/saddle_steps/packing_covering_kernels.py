@@ -7,15 +7,40 @@ import numpy as np
 from .....formulations.kernels import kernel
 from .....formulations.stop_kernel import asked
 from .restarts_kernels import to_simplex
+from .sums_kernels import multiply
+
+
+@kernel("(i4[::1], i4[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8, i8, i8)")
+def move_variables(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    column_starts, rows, column_entries, short, prices, x, next_x, x_anchor, reflected, kept, begin, end
+):  # fmt: skip
+    """The side of the variables from ``begin`` to ``end`` in a step; ``reflected`` is the plain step, gone twice."""
+    for v in range(begin, end):
+        worth = 0.0
+        for k in range(column_starts[v], column_starts[v + 1]):
+            worth += column_entries[k] * prices[rows[k]]
+        next_x[v] = max(0.0, x[v] - short[v] * worth)
+        reflected[v] = 2.0 * next_x[v] - x[v]
+        x[v] = kept * reflected[v] + (1.0 - kept) * x_anchor[v]
+
+
+@kernel("(i8, f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8)")
+def move_prices(packing, long, load, prices, next_prices, price_anchor, level, kept):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
+    """The prices' side of a step, from the ``load`` of each row by the reflected variables."""
+    for r in range(len(prices)):
+        next_prices[r] = max(0.0, prices[r] + long[r] * (load[r] - 1.0)) if r < packing else prices[r] + long[r] * load[r]
+    level[0] = to_simplex(next_prices, long, packing, 1.0, level[0])
+    for r in range(len(prices)):
+        prices[r] = kept * (2.0 * next_prices[r] - prices[r]) + (1.0 - kept) * price_anchor[r]
 
 
 @kernel(
     "i8(i8[::1], i4[::1], i4[::1], f8[::1], i4[::1], i4[::1], f8[::1], i8, f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], "
-    "f8[::1], f8[::1], i8, i8)"
+    "f8[::1], f8[::1], f8[::1], f8[::1], i8, i8)"
 )
 def steps(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     flag, starts, columns, entries, column_starts, rows, column_entries, packing, short, long, x, prices, next_x, next_prices, x_anchor,
-    price_anchor, level, done, count,
+    price_anchor, level, reflected, load, done, count,
 ):  # fmt: skip
     """``count`` reflected Halpern steps, fewer where the ``flag`` of a ``Stop`` is set; returns the steps made since ``done`` of them.
 
@@ -23,26 +48,13 @@ def steps(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
     ``long`` are the lengths of steps of variables and of prices. ``x``, ``prices`` (those of covering rows sum to 1) and ``level`` of shape
     (1,) change in place; ``next_x`` and ``next_prices`` become the plain step from the last point, nonnegative and the better answer.
     """
-    reflected = np.empty(len(x))
     for step in range(done, done + count):
         if asked(flag):
             return step - done
         kept = (step + 1.0) / (step + 2.0)
-        for v in range(len(x)):
-            worth = 0.0
-            for k in range(column_starts[v], column_starts[v + 1]):
-                worth += column_entries[k] * prices[rows[k]]
-            next_x[v] = max(0.0, x[v] - short[v] * worth)
-            reflected[v] = 2.0 * next_x[v] - x[v]
-            x[v] = kept * reflected[v] + (1.0 - kept) * x_anchor[v]
-        for r in range(len(prices)):
-            load = 0.0
-            for k in range(starts[r], starts[r + 1]):
-                load += entries[k] * reflected[columns[k]]
-            next_prices[r] = max(0.0, prices[r] + long[r] * (load - 1.0)) if r < packing else prices[r] + long[r] * load
-        level[0] = to_simplex(next_prices, long, packing, 1.0, level[0])
-        for r in range(len(prices)):
-            prices[r] = kept * (2.0 * next_prices[r] - prices[r]) + (1.0 - kept) * price_anchor[r]
+        move_variables(column_starts, rows, column_entries, short, prices, x, next_x, x_anchor, reflected, kept, 0, len(x))
+        multiply(starts, columns, entries, reflected, load, 0, len(load))
+        move_prices(packing, long, load, prices, next_prices, price_anchor, level, kept)
     return count
 
 
