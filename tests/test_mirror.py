@@ -51,6 +51,7 @@ KERNELS = {
     "solvers/engines/sata/saddle_steps/packing_covering_kernels": "solvers/engines/sata/saddle_steps/packing_covering",
     "solvers/engines/sata/saddle_steps/restarts_kernels": "solvers/engines/sata/saddle_steps/halpern_kernels",
     "solvers/engines/sata/saddle_steps/regret_kernels": "solvers/engines/sata/saddle_steps/game",
+    "solvers/engines/sata/saddle_steps/sums_kernels": "solvers/engines/sata/saddle_steps/normal_matrix",
     "solvers/engines/auctions/task_subset_steps/part_kernels": "solvers/engines/auctions/task_subsets",
     "solvers/engines/auctions/task_subset_steps/subset_kernels": "solvers/engines/auctions/task_subsets",
 }

@@ -134,6 +134,7 @@ class System:
         self._matrix, self._values, self._prices = matrix, values, prices
         self._inverse = 1.0 / values[matrix.diagonal]
         self._multigrid: Multigrid | None = None
+        self._of_prices: Floats | None = None
         self._scale = max(float((prices * self._inverse) @ prices), TINY)
         self.iterations = 0
 
@@ -197,7 +198,9 @@ class System:
         m, cycle, prices = self._matrix, self._multigrid, self._prices
         assert cycle is not None
         charge, product = CHARGE * len(self._values) + cycle.work, np.empty(len(rest))
-        of_prices = cycle(prices)
+        if self._of_prices is None:
+            self._of_prices = cycle(prices)
+        of_prices = self._of_prices
         scale = float(prices @ of_prices)
 
         def projected() -> Floats:

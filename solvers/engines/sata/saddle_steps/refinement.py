@@ -31,6 +31,9 @@ MANY, LEAST_MANY = 0.2, 1_000
 STILL = 0.05
 """Improvement of a bound that counts, as a share of the gap asked for."""
 
+AIM = 0.5
+"""The level aimed at lies above the value wanted by this share of its distance to the bound."""
+
 NEGLIGIBLE = 0.2
 """Deficit that does not count, as a share of the distance between the level aimed at and the value wanted."""
 
@@ -41,10 +44,10 @@ SEEDS = 3
 """Worst-covered targets that the first ball is grown around."""
 
 
-def refine(game: Game, shares: Floats, most_work: float) -> None:
+def refine(game: Game, shares: Floats, most_work: float, share: float = AIM) -> None:
     """Improve answer and bound from ``shares``, which change in place, until the gap is closed or this brings nothing more.
 
-    ``most_work``: edges that the descent may read.
+    ``most_work``: edges that the descent may read; ``share``: other than ``AIM``.
     """
     record, limits = game.record, game.limits
     end = limits.work + most_work
@@ -53,7 +56,7 @@ def refine(game: Game, shares: Floats, most_work: float) -> None:
         _first_bound(game, cover)
     level = record.value
     while not (record.closed() or limits.reached() or limits.work >= end):
-        aim = 0.5 * (record.wanted + record.bound)
+        aim = record.wanted + share * (record.bound - record.wanted)
         negligible = NEGLIGIBLE * (aim - record.wanted)
         few = min(int(FEW * len(cover)) + LEAST_FEW, len(cover) - 1)
         level = max(float(np.partition(cover, few)[few]), level + RISE * (aim - level))

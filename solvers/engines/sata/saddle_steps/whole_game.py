@@ -19,6 +19,10 @@ REFINE_SHARE = 0.25
 FEW, LEAST_FEW = 0.02, 100
 """An answer is refined when at most this share, or this number, of the targets falls short of the value wanted."""
 
+LEVELLED, LEVEL_SHARE, ABOVE = 0.3, 0.05, 0.05
+"""An answer of which at most this share of the targets falls short of the value wanted is levelled out first: moved downhill on the squared
+deficits for at most this share of the method's work, at a level above that value by this share of its distance to the bound."""
+
 FIRST_STEPS = 32
 MORE_STEPS = 0.25
 """Steps of a first-order method between two looks at what it proves: so many, later this share of all its steps so far."""
@@ -35,7 +39,7 @@ ENOUGH_STEPS = 4000
 
 GROWTH, REST = 3.0, 2.0
 """A step of the interior point is given up when it has cost what a first-order method takes to halve the gap, or so many times the one
-before; the next is made when the first-order methods have done so many times their work."""
+before; the next is made when the first-order methods have done so many times their work, the square of it after the second time, and so on."""
 
 HORIZON = 0.5
 """Gap to which the methods are compared, as a share of the better one so far."""
@@ -105,7 +109,7 @@ def play(game: Game) -> tuple[int, int]:
     methods: tuple[RegretMatching, HalpernPrimalDual] = RegretMatching(game), HalpernPrimalDual(game)
     paces, pointed = (Pace(), Pace()), GrowingPace()
     point: InteriorPoint | None = None
-    alone, resting, cost = False, 0.0, 0.0
+    alone, resting, cost, failures = False, 0.0, 0.0, 0
     while not (record.closed() or limits.reached()):
         steps, work, spent = methods[0].steps + methods[1].steps, methods[0].work + methods[1].work, 0.0 if point is None else point.work
         costly = steps < ENOUGH_STEPS and pointed.projected(record.gap) > ENOUGH_STEPS * game.pass_work
@@ -140,8 +144,10 @@ def play(game: Game) -> tuple[int, int]:
         if moved:
             cost = limits.work - begun
             pointed.note(point.work, point.value, point.bound)
+            failures = 0
         elif limits.work - begun > 0.5 * allowed:
-            resting = REST * work
+            failures += 1
+            resting = REST**failures * work
         else:
             alone = True
     return methods[0].steps + methods[1].steps, 0 if point is None else point.steps
@@ -170,5 +176,12 @@ def _second(first: Pace, second: Pace, work: float, second_work: float, gap: flo
 
 
 def _refine_few(game: Game, shares: Floats, cover: Floats, work: float) -> None:
-    if np.count_nonzero(cover < game.record.wanted) <= max(FEW * len(cover), LEAST_FEW):
-        refine(game, shares, REFINE_SHARE * work)
+    """Level a method's answer out where few enough targets fall short, and refine it where hardly any do then; ``work`` is the method's."""
+    record, limits = game.record, game.limits
+    if np.count_nonzero(cover < record.wanted) > LEVELLED * len(cover):
+        return
+    over = ABOVE * (record.bound - record.wanted)
+    game.descend(shares, cover, record.wanted + over, over, limits.work + LEVEL_SHARE * work)
+    cover = record.offer(shares)
+    if not record.closed() and np.count_nonzero(cover < record.wanted) <= max(FEW * len(cover), LEAST_FEW):
+        refine(game, shares, REFINE_SHARE * work, 2.0 * ABOVE)

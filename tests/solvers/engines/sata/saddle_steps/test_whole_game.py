@@ -1,4 +1,5 @@
 import math
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -7,6 +8,7 @@ from random_sensing import optimum
 from waybound.instances.sata.sensing_graph import graph_of_edges
 from waybound.reports.benchmarks.saddle import FAMILIES
 from waybound.solvers.engines.sata.saddle_steps import whole_game
+from waybound.solvers.engines.sata.saddle_steps.halpern import HalpernPrimalDual
 from waybound.solvers.engines.sata.saddle_steps.whole_game import GrowingPace, Pace, play
 
 
@@ -67,3 +69,34 @@ def test_an_interior_point_that_cannot_move_leaves_the_rest_to_regret_matching(m
     game = make_game(FAMILIES["expander"](100), 1e-3)
     matched, pointed = play(game)
     assert matched > whole_game.FIRST_STEPS and pointed == 0 and game.record.closed()
+
+
+def test_an_interior_point_that_is_given_up_rests_longer_each_time(make_game, monkeypatch):
+    game, began, spent = make_game(FAMILIES["expander"](400), 1e-6), [], [0.0]
+
+    def given_up(self) -> bool:
+        began.append(game.limits.work - spent[0])
+        spent[0] += game.limits.most_work - game.limits.work
+        game.limits.work = game.limits.most_work
+        return False
+
+    monkeypatch.setattr(whole_game.InteriorPoint, "step", given_up)
+    monkeypatch.setattr(whole_game, "_refine_few", lambda *given: None)
+    play(game)
+    assert game.record.closed() and len(began) > 2
+    assert all(after >= 2.0 ** (k + 1) * before for k, (before, after) in enumerate(pairwise(began)))
+
+
+@pytest.mark.parametrize("share", [0.31, 0.29])
+def test_an_answer_is_levelled_out_once_few_targets_fall_short(share, make_game):
+    graph = FAMILIES["planted"](2000)
+    game = make_game(graph, 1e-3)
+    method = HalpernPrimalDual(game)
+    method.run(200)
+    shares, cover = method.conclude()
+    wanted = np.quantile(cover, share)
+    game.record.bound = wanted * (1.0 + game.record.gap)  # as if it were proved
+    before, work = game.record.value, game.limits.work
+    whole_game._refine_few(game, shares.copy(), cover, method.work)
+    assert (game.record.value > before) == (share < whole_game.LEVELLED)
+    assert game.limits.work <= work + (whole_game.LEVEL_SHARE + whole_game.REFINE_SHARE) * method.work + game.pass_work
