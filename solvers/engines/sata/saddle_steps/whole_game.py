@@ -39,7 +39,7 @@ ENOUGH_STEPS = 4000
 
 GROWTH, REST = 3.0, 2.0
 """A step of the interior point is given up when it has cost what a first-order method takes to halve the gap, or so many times the one
-before; the next is made when the first-order methods have done so many times their work, the square of it after the second time, and so on."""
+before; the next is made when the first-order methods have done so many times their work, the square of it after the second time, etc."""
 
 HORIZON = 0.5
 """Gap to which the methods are compared, as a share of the better one so far."""
