@@ -18,20 +18,20 @@ NEXT_SEED = 0xD1B54A32D192ED03
 
 
 def abreast(
-    search: Callable[[RoutingProblem, Options, Control], RawResult], problem: RoutingProblem, options: Options, control: Control
+    search: Callable[[RoutingProblem, Options, Control], RawResult], problem: RoutingProblem, options: Options, control: Control, many: int
 ) -> RawResult:
-    """Search on all threads of ``options``, until all have ended."""
+    """So many searches on the threads of ``options``, until all have ended."""
     best = BestRoutes(problem, control)
 
     def one(number: int) -> RawResult:
-        own = replace(options, threads=1, seed=(options.seed + number * NEXT_SEED) % 2**64)
+        own = replace(options, threads=options.threads // many, seed=(options.seed + number * NEXT_SEED) % 2**64)
         found = search(problem, own, PartControl(best, not number))
         if found.answer is not None:
             best.take(found.answer)
         return found
 
-    with ThreadPoolExecutor(options.threads) as pool:
-        results = list(pool.map(one, range(options.threads)))
+    with ThreadPoolExecutor(many) as pool:
+        results = list(pool.map(one, range(many)))
     statistics = dict(results[0].statistics)
     for name in ("iterations", "better"):
         statistics[name] = sum(int(result.statistics.get(name, 0)) for result in results)

@@ -65,7 +65,7 @@ FIRST_BOUND = 0.2
 class Opening(RuinRecreate):
     """Ruin and recreate that leaves time for another engine where its speed allows."""
 
-    def seconds_at(self, speed: float, customers: int, routes: int, left: float) -> float:
+    def seconds_at(self, speed: float, customers: int, routes: int, left: float, threads: int) -> float:
         share = max(FIRST_SHARE, ENOUGH * customers / max(1.0, speed * left))
         return left * (share if share <= 1.0 - LAST_SHARE else 1.0)
 
@@ -81,12 +81,13 @@ class Turn:
 
 
 class BeforeProof(Opening):
-    """Ruin and recreate that takes half of the time at most where routes are short enough for branch, price and cut."""
+    """Ruin and recreate that takes half of the time at most where routes are short enough for branch, price and cut, on several threads as
+    much less as they are: that one has a single thread, beside which the others search on."""
 
-    def seconds_at(self, speed: float, customers: int, routes: int, left: float) -> float:
+    def seconds_at(self, speed: float, customers: int, routes: int, left: float, threads: int) -> float:
         if customers > SHORT * routes:
-            return super().seconds_at(speed, customers, routes, left)
-        return min(FIRST_SHARE * left, ENOUGH * customers / max(1.0, speed))
+            return super().seconds_at(speed, customers, routes, left, threads)
+        return min(FIRST_SHARE * left / threads, ENOUGH * customers / max(1.0, speed))
 
 
 def proves(problem: RoutingProblem) -> bool:

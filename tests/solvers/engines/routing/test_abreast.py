@@ -26,7 +26,7 @@ def test_each_thread_has_a_seed_of_its_own_and_the_best_answer_counts() -> None:
         return RawResult("feasible", "time", answer, 12.0, statistics={"iterations": 10, "better": 1, "scale": {}})
 
     control = Control()
-    found = abreast(search, problem, Options(seed=7, threads=3), control)
+    found = abreast(search, problem, Options(seed=7, threads=3), control, 3)
     assert len({seed for seed, _ in asked}) == 3 and 7 in {seed for seed, _ in asked} and {threads for _, threads in asked} == {1}
     assert found.answer == Routes.of([[1, 2, 3]]) and found.objective == 6.0 and control.answer == found.answer
     assert found.statistics == {"iterations": 30, "better": 3, "scale": {}}
@@ -40,7 +40,7 @@ def test_a_wish_to_end_reaches_all() -> None:
         return RawResult("unknown", message="nothing")
 
     control = Control()
-    found = abreast(search, line(), Options(threads=2), control)
+    found = abreast(search, line(), Options(threads=2), control, 2)
     control.stop()
     assert len(set(ended)) == 2 and found.answer is None and found.message == "nothing"
 
@@ -50,7 +50,7 @@ def test_a_failure_of_one_is_told() -> None:
         raise ValueError("broken")
 
     with pytest.raises(ValueError, match="broken"):
-        abreast(search, line(), Options(threads=2), Control())
+        abreast(search, line(), Options(threads=2), Control(), 2)
 
 
 def test_a_companion_searches_on_the_other_threads_and_ends_with_the_engine() -> None:
