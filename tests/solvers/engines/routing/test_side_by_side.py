@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-import threading
+import itertools
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -11,12 +12,18 @@ from divisible_routing import FEATURES, made
 
 import waybound as wb
 from waybound.formulations.stop import Stop
-from waybound.solvers.backend import Control, Options
+from waybound.solvers.backend import Control, Options, RawResult
 from waybound.solvers.engines.routing import ruin_recreate, side_by_side
 from waybound.solvers.engines.routing.portfolio import Portfolio
+from waybound.solvers.engines.routing.pyvrp import PyVRP
 from waybound.solvers.engines.routing.ruin_recreate import RuinRecreate
 from waybound.solvers.engines.routing.ruin_recreate_steps import columns as k
 from waybound.solvers.engines.routing.side_by_side import following, join, shares
+
+
+@pytest.fixture(autouse=True)
+def two_routes_suffice(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(side_by_side, "LEAST", 2)
 
 
 def begun(problem: wb.RoutingProblem, seed: int = 1) -> Any:
@@ -75,31 +82,38 @@ def test_what_parts_become_costs_together_what_it_costs_as_a_whole(feature: str)
             assert other.put(held.routes(answer[1:])) and other.sums[k.OBJECTIVE] == answer[0]
 
 
+def at_look(monkeypatch: pytest.MonkeyPatch, number: int, what: Callable[[], None]) -> None:
+    """Have something happen on the thread that keeps routes for so many a time."""
+    count, collect = itertools.count(1), side_by_side.collect
+
+    def counting(*given: Any) -> None:
+        if next(count) == number:
+            what()
+        collect(*given)
+
+    for name, value in (("collect", counting), ("MOMENT", 0.02), ("LEAST", 1)):
+        monkeypatch.setattr(side_by_side, name, value)
+    monkeypatch.setattr(ruin_recreate, "AMPLE", 10**9)
+
+
 @pytest.mark.parametrize("feature", FEATURES)
-def test_two_threads_give_a_feasible_answer_in_time_and_when_they_are_asked_to_end(feature: str) -> None:
+def test_two_threads_end_with_a_feasible_answer_when_they_are_asked_to(feature: str, monkeypatch: pytest.MonkeyPatch) -> None:
     problem, control = made(feature), Control()
-    found = RuinRecreate().run(problem, Options(threads=2, time_limit=0.4), Control())
+    at_look(monkeypatch, 60, control.stop)
+    found = RuinRecreate().run(problem, Options(threads=2, time_limit=60.0), control)
     judged = problem.evaluate(found.answer)
-    assert judged.feasible and found.limit == "time" and (len(judged.values) > 1 or found.objective == judged.values[0])
-    threading.Timer(0.3, control.stop).start()
-    ended = RuinRecreate().run(problem, Options(threads=2, time_limit=60.0), control)
-    assert ended.limit == "interrupt" and problem.evaluate(ended.answer).feasible
+    assert judged.feasible and found.limit == "interrupt" and (len(judged.values) > 1 or found.objective == judged.values[0])
 
 
 def test_a_thread_that_fails_leaves_the_best_answer_before(monkeypatch: pytest.MonkeyPatch) -> None:
-    problem, control, rounds = made(), Control(), []
+    def fail() -> None:
+        raise MemoryError
 
-    def failing(*given: Any) -> Any:
-        rounds.append(given)
-        if len(rounds) > 2:
-            raise MemoryError
-        return part(*given)
-
-    part = side_by_side.part
-    monkeypatch.setattr(side_by_side, "part", failing)
-    monkeypatch.setattr(ruin_recreate, "AMPLE", 10**9)
-    found = Portfolio().run(problem, Options(threads=2, time_limit=1.0), control)
-    assert "ruin-recreate failed" in found.message
+    at_look(monkeypatch, 12, fail)
+    problem = made("reward")
+    monkeypatch.setattr(PyVRP, "search", lambda *_: RawResult("unknown", "time"))
+    found = Portfolio().run(problem, Options(threads=2, time_limit=3.0), Control())
+    assert "ruin-recreate failed: out of memory" in found.message
     assert found.status == "feasible" and problem.evaluate(found.answer).feasible
 
 
