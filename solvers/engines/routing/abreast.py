@@ -1,9 +1,10 @@
-"""Searches of one routing problem side by side, of which the best answer counts: with seeds of their own, or by two engines."""
+"""Searches of one routing problem side by side, of which the best answer counts: with seeds of their own, or beside other engines."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -41,18 +42,16 @@ def abreast(
     return replace(first, answer=best.answer, objective=best.claim, statistics=statistics)
 
 
-def accompanied(engine: Engine, companion: Engine, problem: RoutingProblem, options: Options, control: PartControl) -> RawResult:
-    """Search by an engine that uses one thread, and on the other threads of ``options`` by a companion, which ends when the engine does.
-
-    What the companion finds goes where the answers of ``control`` go.
-    """
-    line = PartControl(control.best, False)
+@contextmanager
+def accompanied(companion: Engine, problem: RoutingProblem, options: Options, best: BestRoutes) -> Iterator[None]:
+    """Within the block a companion searches on all threads of ``options`` but one. What it finds goes to ``best``; a fault costs nothing."""
+    line = PartControl(best, False)
     others = replace(options, threads=options.threads - 1, seed=(options.seed + NEXT_SEED) % 2**64, extra={})
     with ThreadPoolExecutor(1) as pool:
         beside = pool.submit(companion.run, problem, others, line)
         try:
-            return engine.run(problem, options, control)
+            yield
         finally:
             line.stop()
             if beside.exception() is None and beside.result().answer is not None:
-                control.best.take(beside.result().answer)
+                best.take(beside.result().answer)

@@ -65,7 +65,7 @@ FIRST_BOUND = 0.2
 class Opening(RuinRecreate):
     """Ruin and recreate that leaves time for another engine where its speed allows."""
 
-    def seconds_at(self, speed: float, customers: int, routes: int, left: float, threads: int) -> float:
+    def seconds_at(self, speed: float, customers: int, routes: int, left: float) -> float:
         share = max(FIRST_SHARE, ENOUGH * customers / max(1.0, speed * left))
         return left * (share if share <= 1.0 - LAST_SHARE else 1.0)
 
@@ -81,13 +81,12 @@ class Turn:
 
 
 class BeforeProof(Opening):
-    """Ruin and recreate that takes half of the time at most where routes are short enough for branch, price and cut, on several threads as
-    much less as they are: that one has a single thread, beside which the others search on."""
+    """Ruin and recreate that takes half of the time at most where routes are short enough for branch, price and cut."""
 
-    def seconds_at(self, speed: float, customers: int, routes: int, left: float, threads: int) -> float:
+    def seconds_at(self, speed: float, customers: int, routes: int, left: float) -> float:
         if customers > SHORT * routes:
-            return super().seconds_at(speed, customers, routes, left, threads)
-        return min(FIRST_SHARE * left / threads, ENOUGH * customers / max(1.0, speed))
+            return super().seconds_at(speed, customers, routes, left)
+        return min(FIRST_SHARE * left, ENOUGH * customers / max(1.0, speed))
 
 
 def proves(problem: RoutingProblem) -> bool:
@@ -177,9 +176,14 @@ class _Search:
                 compiler = self.compiler(stack)
                 results.append(self.turn(turns[-1], 1.0, compiler))
                 turns = [] if compiler.poll() is None else turns if self.compiled() else turns[-1:]  # no folder may keep what is compiled
+            alone = True
             for turn in turns:
                 if turn.engine is BranchPriceCut and not self.short_routes:
                     continue
+                if alone and self.has_company(turn):
+                    alone = False
+                    own = replace(self.options, time_limit=max(0.0, self.ends - now()), start=self.best.answer or self.options.start)
+                    stack.enter_context(accompanied(RuinRecreate(), self.problem, own, self.best))
                 results.append(self.turn(turn, turn.share))
                 closed = results[-1].status in ("optimal", "infeasible") or results[-1].limit == "gap"
                 if self.control.stopped or closed or self.ends - now() < TOO_LATE:
@@ -211,7 +215,7 @@ class _Search:
         return self.options.iterations is not None or self.options.no_improvement is not None
 
     def has_company(self, turn: Turn) -> bool:
-        """Whether ruin and recreate searches on further threads while a library has its turn."""
+        """Whether ruin and recreate searches on further threads from this turn on."""
         further = self.options.threads > 1 and not self.repeats
         return further and not issubclass(turn.engine, RuinRecreate) and not RuinRecreate().missing(self.problem)
 
@@ -250,10 +254,7 @@ class _Search:
         if turn.engine is BranchPriceCut:
             patience.start()
         try:
-            if until is None and self.has_company(turn):
-                result = accompanied(turn.engine(), RuinRecreate(), self.problem, own, control)
-            else:
-                result = turn.engine().run(self.problem, own, control)
+            result = turn.engine().run(self.problem, own, control)
         except Exception as fault:  # the next one goes on, and the message tells it
             result = RawResult("error", message=f"{turn.engine.name} failed: {in_words(fault)}")
         finally:

@@ -132,7 +132,7 @@ class RuinRecreate(Bisecting):
     def set_up_seconds(self, problem: Problem) -> float:
         return SET_UP * problem.size if divides(problem, Options()) else super().set_up_seconds(problem)  # type: ignore[arg-type]
 
-    def seconds_at(self, speed: float, customers: int, routes: int, left: float, threads: int) -> float:
+    def seconds_at(self, speed: float, customers: int, routes: int, left: float) -> float:
         """For how many of the seconds that are left it goes on, told its speed in ruins a second on all of its threads and how many routes
         there are: for who has other plans for the rest."""
         return left
@@ -217,7 +217,7 @@ class _Search:
         asked: dict[str, Any],
         control: Control,
         stop: Stop,
-        seconds_at: Callable[[float, int, int, float, int], float],
+        seconds_at: Callable[[float, int, int, float], float],
         team: Sequence[_Search] = (),
         many: int = 1,
     ) -> None:
@@ -290,8 +290,8 @@ class _Search:
                 measured = True
                 spent = now() - began
                 routes = int(self.held.types[:, k.USED].sum())
-                told = done / spent * self.abreast, len(self.held.customers), routes, self.stop.seconds_left
-                whole = spent + self.seconds_at(*told, self.options.threads * self.abreast)
+                speed = done / spent * self.abreast
+                whole = spent + self.seconds_at(speed, len(self.held.customers), routes, self.stop.seconds_left)
                 self.plan(course, done / spent * whole)
                 if self.goes_abreast(course):
                     return None

@@ -31,6 +31,9 @@ LEAST = 4
 MOMENT = 0.1
 """Seconds for which routes are a thread's own."""
 
+LOOKS = 5
+"""Looks at the clock where one thread alone looks once: who is late keeps the others waiting."""
+
 LINKS = [k.FOLLOWING, k.PREVIOUS]
 
 
@@ -148,10 +151,10 @@ class SideBySide:
         return max(1, min(threads, int(self.held.types[:, k.USED].sum()) // LEAST))
 
     def anneal(self, many: int, steps: int, warmth: float) -> Integers:
-        """Anneal for a moment, so many steps between two looks at the clock; returns value and successors of the best routes met."""
+        """Anneal for a moment, ``LOOKS`` times on each thread in ``steps`` ruins; returns value and successors of the best routes met."""
         from .ruin_recreate_steps.search_kernels import anneal
 
-        ends = now() + MOMENT
+        ends, steps = now() + MOMENT, max(16, steps // LOOKS)
 
         def work(share: Share, pool: Pool | None) -> None:
             while not self.stop.reached() and now() < ends:
