@@ -44,7 +44,7 @@ def abreast(
 
 @contextmanager
 def accompanied(companion: Engine, problem: RoutingProblem, options: Options, best: BestRoutes) -> Iterator[None]:
-    """Within the block a companion searches on all threads of ``options`` but one. What it finds goes to ``best``; a fault costs nothing."""
+    """Within the block a companion searches on all threads of ``options`` but one. What it finds goes to ``best``; faults cost nothing."""
     line = PartControl(best, False)
     others = replace(options, threads=options.threads - 1, seed=(options.seed + NEXT_SEED) % 2**64, extra={})
     with ThreadPoolExecutor(1) as pool:
