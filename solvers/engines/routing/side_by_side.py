@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ....formulations.stop import Stop, now
+from ....formulations.stop import Stop
 from ...backend import Control
 from .ruin_recreate_steps import columns as k
 from .ruin_recreate_steps.dividing import divided
@@ -28,11 +28,8 @@ if TYPE_CHECKING:
 LEAST = 4
 """Routes of a thread at least: what one of them loses must find room on others."""
 
-MOMENT = 0.1
+MOMENT = 0.03
 """Seconds for which routes are a thread's own."""
-
-LOOKS = 5
-"""Looks at the clock where one thread alone looks once: who is late keeps the others waiting."""
 
 LINKS = [k.FOLLOWING, k.PREVIOUS]
 
@@ -151,14 +148,15 @@ class SideBySide:
         return max(1, min(threads, int(self.held.types[:, k.USED].sum()) // LEAST))
 
     def anneal(self, many: int, steps: int, warmth: float) -> Integers:
-        """Anneal for a moment, ``LOOKS`` times on each thread in ``steps`` ruins; returns value and successors of the best routes met."""
+        """Anneal for a moment, ``steps`` ruins or fewer at a time; returns value and successors of the best routes met."""
         from .ruin_recreate_steps.search_kernels import anneal
 
-        ends, steps = now() + MOMENT, max(16, steps // LOOKS)
+        moment = self.stop.within(MOMENT)
+        flag = moment.flag
 
         def work(share: Share, pool: Pool | None) -> None:
-            while not self.stop.reached() and now() < ends:
-                anneal(self.stop.flag, *share.held.parts, share.best, self.sizes, steps, warmth, share.held.flags)
+            while not moment.reached():
+                anneal(flag, *share.held.parts, share.best, self.sizes, steps, warmth, share.held.flags)
                 collect(pool, self.lock)
 
         return self._on_parts(many, work)

@@ -91,7 +91,7 @@ def at_look(monkeypatch: pytest.MonkeyPatch, number: int, what: Callable[[], Non
             what()
         collect(*given)
 
-    for name, value in (("collect", counting), ("MOMENT", 0.02), ("LEAST", 1)):
+    for name, value in (("collect", counting), ("LEAST", 1)):
         monkeypatch.setattr(side_by_side, name, value)
     monkeypatch.setattr(ruin_recreate, "AMPLE", 10**9)
 
