@@ -1,9 +1,10 @@
-"""Searches of one routing problem side by side, of which the best answer counts: with seeds of their own, or by two engines."""
+"""Searches of one routing problem side by side, of which the best answer counts: with seeds of their own, or beside other engines."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import contextmanager
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -18,20 +19,20 @@ NEXT_SEED = 0xD1B54A32D192ED03
 
 
 def abreast(
-    search: Callable[[RoutingProblem, Options, Control], RawResult], problem: RoutingProblem, options: Options, control: Control
+    search: Callable[[RoutingProblem, Options, Control], RawResult], problem: RoutingProblem, options: Options, control: Control, many: int
 ) -> RawResult:
-    """Search on all threads of ``options``, until all have ended."""
+    """So many searches on the threads of ``options``, until all have ended."""
     best = BestRoutes(problem, control)
 
     def one(number: int) -> RawResult:
-        own = replace(options, threads=1, seed=(options.seed + number * NEXT_SEED) % 2**64)
+        own = replace(options, threads=options.threads // many, seed=(options.seed + number * NEXT_SEED) % 2**64)
         found = search(problem, own, PartControl(best, not number))
         if found.answer is not None:
             best.take(found.answer)
         return found
 
-    with ThreadPoolExecutor(options.threads) as pool:
-        results = list(pool.map(one, range(options.threads)))
+    with ThreadPoolExecutor(many) as pool:
+        results = list(pool.map(one, range(many)))
     statistics = dict(results[0].statistics)
     for name in ("iterations", "better"):
         statistics[name] = sum(int(result.statistics.get(name, 0)) for result in results)
@@ -41,18 +42,16 @@ def abreast(
     return replace(first, answer=best.answer, objective=best.claim, statistics=statistics)
 
 
-def accompanied(engine: Engine, companion: Engine, problem: RoutingProblem, options: Options, control: PartControl) -> RawResult:
-    """Search by an engine that uses one thread, and on the other threads of ``options`` by a companion, which ends when the engine does.
-
-    What the companion finds goes where the answers of ``control`` go.
-    """
-    line = PartControl(control.best, False)
+@contextmanager
+def accompanied(companion: Engine, problem: RoutingProblem, options: Options, best: BestRoutes) -> Iterator[None]:
+    """Within the block a companion searches on all threads of ``options`` but one. What it finds goes to ``best``; faults cost nothing."""
+    line = PartControl(best, False)
     others = replace(options, threads=options.threads - 1, seed=(options.seed + NEXT_SEED) % 2**64, extra={})
     with ThreadPoolExecutor(1) as pool:
         beside = pool.submit(companion.run, problem, others, line)
         try:
-            return engine.run(problem, options, control)
+            yield
         finally:
             line.stop()
             if beside.exception() is None and beside.result().answer is not None:
-                control.best.take(beside.result().answer)
+                best.take(beside.result().answer)

@@ -44,10 +44,7 @@ LARGEST = 3_000
 """Customers of a part at most, for it holds all moves between its sites; a longer route is left as it is."""
 
 WHOLE = 1_500
-"""Customers up to which one thread anneals all routes at once."""
-
-FEWEST = 300
-"""Customers from which on several threads share the routes."""
+"""Customers up to which all routes are annealed at once, or shared out among threads for moments."""
 
 ALONE = 5_000
 """Customers from which no other engine comes to a search of its own within minutes."""
@@ -108,10 +105,9 @@ def divisible(problem: RoutingProblem) -> bool:
 
 
 def divides(problem: RoutingProblem, options: Options) -> bool:
-    """Whether the problem is searched in parts. With limits of work this does not depend on the number of threads."""
+    """Whether the problem is searched in parts, however many threads there are."""
     customers = len(problem.customers)
-    alone = options.threads == 1 or options.iterations is not None or options.no_improvement is not None
-    if customers < (WHOLE if alone else FEWEST) or not divisible(problem):
+    if customers < WHOLE or not divisible(problem):
         return False
     routes = problem.vehicle_limit
     if options.start is not None and fits(WHOLE_BYTES * customers**2):

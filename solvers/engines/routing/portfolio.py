@@ -176,9 +176,14 @@ class _Search:
                 compiler = self.compiler(stack)
                 results.append(self.turn(turns[-1], 1.0, compiler))
                 turns = [] if compiler.poll() is None else turns if self.compiled() else turns[-1:]  # no folder may keep what is compiled
+            alone = True
             for turn in turns:
                 if turn.engine is BranchPriceCut and not self.short_routes:
                     continue
+                if alone and self.has_company(turn):
+                    alone = False
+                    own = replace(self.options, time_limit=max(0.0, self.ends - now()), start=self.best.answer or self.options.start)
+                    stack.enter_context(accompanied(RuinRecreate(), self.problem, own, self.best))
                 results.append(self.turn(turn, turn.share))
                 closed = results[-1].status in ("optimal", "infeasible") or results[-1].limit == "gap"
                 if self.control.stopped or closed or self.ends - now() < TOO_LATE:
@@ -210,7 +215,7 @@ class _Search:
         return self.options.iterations is not None or self.options.no_improvement is not None
 
     def has_company(self, turn: Turn) -> bool:
-        """Whether ruin and recreate searches on further threads while a library has its turn."""
+        """Whether ruin and recreate searches on further threads from this turn on."""
         further = self.options.threads > 1 and not self.repeats
         return further and not issubclass(turn.engine, RuinRecreate) and not RuinRecreate().missing(self.problem)
 
@@ -249,10 +254,7 @@ class _Search:
         if turn.engine is BranchPriceCut:
             patience.start()
         try:
-            if until is None and self.has_company(turn):
-                result = accompanied(turn.engine(), RuinRecreate(), self.problem, own, control)
-            else:
-                result = turn.engine().run(self.problem, own, control)
+            result = turn.engine().run(self.problem, own, control)
         except Exception as fault:  # the next one goes on, and the message tells it
             result = RawResult("error", message=f"{turn.engine.name} failed: {in_words(fault)}")
         finally:

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+import threading
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from copy import copy
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
@@ -19,9 +21,10 @@ from ...backend import BACKENDS, Control, Options, RawResult
 from .abreast import abreast
 from .bisection import Bisecting
 from .pace import Pace
-from .parts import SET_UP, Search, arranged, divides, memory, result_of
+from .parts import SET_UP, WHOLE_BYTES, Search, arranged, divides, memory, places, result_of
 from .routing_integers import entangled, searched_integers
 from .routing_objective import unscalable
+from .side_by_side import SideBySide, collect, following
 
 if TYPE_CHECKING:
     from ....formulations.problem import Problem
@@ -130,8 +133,8 @@ class RuinRecreate(Bisecting):
         return SET_UP * problem.size if divides(problem, Options()) else super().set_up_seconds(problem)  # type: ignore[arg-type]
 
     def seconds_at(self, speed: float, customers: int, routes: int, left: float) -> float:
-        """For how many of the seconds that are left it goes on, told its speed in ruins a second and how many routes there are: for who has
-        other plans for the rest."""
+        """For how many of the seconds that are left it goes on, told its speed in ruins a second on all of its threads and how many routes
+        there are: for who has other plans for the rest."""
         return left
 
     def search(self, problem: RoutingProblem, options: Options, control: Control) -> RawResult:
@@ -150,12 +153,24 @@ class RuinRecreate(Bisecting):
             parts = Search(problem, options, asked, control, stop, few=FEW, warmer=warmer)
             control.end_set_up(time.perf_counter() - began)
             return parts.run()
-        by_clock = options.iterations is None and options.no_improvement is None
-        if by_clock and options.threads > 1 and fits(options.threads * self.memory(problem)):
-            return abreast(self.search, problem, options, control)
         search = _Search(problem, options, asked, control, stop, self.seconds_at)
         control.end_set_up(time.perf_counter() - began)
-        return search.run()
+        found = search.run()
+        if found is not None:
+            return found
+        team, lock = [search], threading.Lock()
+
+        def member(problem: RoutingProblem, own: Options, line: Control) -> RawResult:
+            stop = Stop(own.time_limit)
+            line.on_stop(stop.ask)
+            with lock:
+                one = _Search(problem, own, asked, line, stop, self.seconds_at, team, search.abreast)
+                team.append(one)
+            found = one.run()
+            assert found is not None
+            return found
+
+        return abreast(member, problem, replace(options, time_limit=stop.seconds_left), control, search.abreast)
 
 
 @dataclass
@@ -203,6 +218,8 @@ class _Search:
         control: Control,
         stop: Stop,
         seconds_at: Callable[[float, int, int, float], float],
+        team: Sequence[_Search] = (),
+        many: int = 1,
     ) -> None:
         from .ruin_recreate_steps import columns, search_kernels
         from .ruin_recreate_steps.arrays import arrays
@@ -219,19 +236,27 @@ class _Search:
         inner, data = (part.problem, part.data) if part else (problem, self.data)
         self.held = arrays(inner, data, int(asked["neighbours"]) * (2 if optional else 1), options.seed % 2**64)
         self.best, self.own = np.zeros((2, 1 + len(self.held.node)), dtype=np.int64)  # of all, and of the anneal at hand
-        self.elites = Elites(self.held, options.seed)
+        self.team, self.abreast, self.bytes = team, many, WHOLE_BYTES * problem.size**2
+        self.elites: Elites = copy(team[0].elites) if team else Elites(self.held, options.seed)
         coupled = (
             self.held.flags & (columns.GROUPED | columns.COUNTED | columns.SHARED | columns.TOPPED)
             or len(self.held.depots)
             or self.held.types[:, columns.HOME].any()
         )
-        self.pool = None if coupled else Pool(self.held, options.seed)
+        self.pool: Pool | None = None if coupled else copy(team[0].pool) if team else Pool(self.held, options.seed)
+        if self.pool:
+            self.pool.held, self.pool.looked = self.held, 0
+        self.lock: threading.Lock = team[0].lock if team else threading.Lock()
         self.sizes = np.array([asked["string"], asked["removals"], 0.0])
+        shared = part and options.threads > 1
+        at = places(problem)[self.site_of] if shared else None
+        self.beside = None if at is None else SideBySide(self.held, at, self.sizes, self.pool, self.lock, stop, options.seed)
         self.answer: Routes | None = None
         self.value: float | None = None
         self.told, self.pace = int(np.iinfo(np.int64).max), Pace()
 
-    def run(self) -> RawResult:
+    def run(self) -> RawResult | None:
+        """Search to the end; None where several searches beside each other, ``abreast`` of them, make more of the threads."""
         k, sums = self.columns, self.held.sums
         if not self.held.types[:, k.SLOTS].any():
             message = "no vehicle can leave its depot and return in time"
@@ -257,14 +282,19 @@ class _Search:
         at, share, limit, measured, combined = 0, 0.0, "time", not self.by_clock, 0
         if math.isfinite(most):
             self.plan(course, most)
+        if self.goes_abreast(course):
+            return None
         while not self.stop.reached() and now() - began < whole:
             done = int(sums[k.STEPS])
             if not measured and now() - began >= MEASURED:
                 measured = True
                 spent = now() - began
                 routes = int(self.held.types[:, k.USED].sum())
-                whole = spent + self.seconds_at(done / spent, len(self.held.customers), routes, self.stop.seconds_left)
+                speed = done / spent * self.abreast
+                whole = spent + self.seconds_at(speed, len(self.held.customers), routes, self.stop.seconds_left)
                 self.plan(course, done / spent * whole)
+                if self.goes_abreast(course):
+                    return None
                 if start and done / spent * whole < FEW * len(self.held.customers):
                     course.hot = min(course.hot, 3.0 * course.cold)
             if done >= most or done - at >= idle:
@@ -279,11 +309,12 @@ class _Search:
             if share >= (COMBINED if combined or course.anneals == 1 else FROM_NOTHING) and combined < min(2, course.anneals):
                 combined += 1
                 self.combine(COMBINING * whole)
-            started, value = now(), self.best[0]
-            self.advance(int(min(pieces, most - done, idle - (done - at))), course.warmth(share, done))
+            started, value, piece = now(), self.best[0], int(min(pieces, most - done, idle - (done - at)))
+            many = self.advance(piece, course.warmth(share, done))
             at = int(sums[k.STEPS]) if self.best[0] < value else at
             if self.by_clock:
-                pieces = max(16, int(pieces * min(4.0, PIECE / max(1e-6, now() - started))))
+                took = (now() - started) * many * piece / max(1, sums[k.STEPS] - done)
+                pieces = max(16, int(pieces * min(4.0, PIECE / max(1e-6, took))))
             self.publish()
         self.publish(last=True)
         missing = sorted(self.site_of[c] for c in self.held.unserved(self.best[1 : 1 + len(self.held.site)] >= 0).tolist())
@@ -347,9 +378,8 @@ class _Search:
 
     def take_at_hand(self) -> None:
         """Take the routes at hand for the best answer."""
-        k, node = self.columns, self.held.node
-        self.best[0] = self.held.sums[k.OBJECTIVE]
-        self.best[1:] = np.where(node[:, k.ROUTE] >= 0, node[:, k.FOLLOWING], -1)
+        with self.lock:
+            self.best[:] = following(self.held)
 
     @property
     def lacking(self) -> bool:
@@ -361,37 +391,73 @@ class _Search:
         """Whether a clock ends the search, and no work limit."""
         return self.options.iterations is None and self.options.no_improvement is None
 
-    def advance(self, steps: int, warmth: float) -> None:
-        self.kernels.anneal(self.stop.flag, *self.held.parts, self.own, self.sizes, steps, warmth, self.held.flags)
+    @property
+    def threads(self) -> int:
+        """Among how many threads the routes at hand can be shared out."""
+        return self.beside.most(self.options.threads) if self.beside and self.by_clock else 1
+
+    def advance(self, steps: int, warmth: float) -> int:
+        """So many ruins, or some moments of such pieces on each of several threads; returns on how many."""
+        many = self.threads
+        if self.beside and many > 1:
+            found = self.beside.anneal(many, steps, warmth)
+            if found[0] < self.own[0]:
+                self.own[:] = found
+        else:
+            self.kernels.anneal(self.stop.flag, *self.held.parts, self.own, self.sizes, steps, warmth, self.held.flags)
+            collect(self.pool, self.lock)
         if self.own[0] < self.best[0]:
-            self.best[:] = self.own
-        if self.pool and self.held.sums[self.columns.STEPS] - self.pool.looked >= 2 * len(self.held.customers):
-            self.pool.collect()
+            with self.lock:
+                self.best[:] = self.own
+        return many
 
     def combine(self, seconds: float) -> None:
         """Go on from the best answer that routes of all answers make up, where it is better than any of them."""
+        from .ruin_recreate_steps.partition import VISITS
+
         if self.pool is None:
             return
         k, held, ends, control = self.columns, self.held, now() + seconds, Control()
         self.control.on_stop(control.stop)
+        with self.lock:
+            self.best[:] = min((one.best for one in (self, *self.team)), key=lambda best: int(best[0]))
         held.put(held.routes(self.best[1:]))
         parts = held.sums[k.STEPS] // (COMBINED_AGAIN * len(held.customers))
         while not self.stop.reached() and (now() < ends if self.by_clock else parts > 0):
             parts -= 1
-            better = self.pool.better(ends - now() if self.by_clock else self.stop.seconds_left, control)
-            if better is not None and held.put(better) and held.sums[k.OBJECTIVE] < self.best[0]:
+            left, many = ends - now() if self.by_clock else self.stop.seconds_left, self.threads
+            several = many > 1 and len(held.customers) > many * VISITS
+            if self.beside and several:
+                self.beside.combine(many, left, control)
+            else:
+                known = self.pool.routes
+                self.pool.routes = dict(known) if self.team else known  # which other threads change meanwhile
+                better = self.pool.better(left, control)
+                self.pool.routes = known
+                if better is not None:
+                    held.put(better)
+            if held.sums[k.OBJECTIVE] < self.best[0]:
                 self.take_at_hand()
                 self.publish()
-            elif self.pool.whole:
+            elif self.pool.whole and not several:
                 break
         held.put(held.routes(self.best[1:]))
         self.own[:] = self.best
+
+    def goes_abreast(self, course: Course) -> bool:
+        """Whether several searches shall go on in place of this one: their anneals side by side, or because routes are few."""
+        threads = self.options.threads if self.by_clock and self.abreast == 1 else 1
+        each = 1 if course.anneals > 1 else self.threads
+        if threads // each < 2 or not fits(threads // each * self.bytes):
+            return False
+        self.abreast = threads // each
+        return True
 
     def plan(self, course: Course, ruins: float) -> None:
         """Choose how many anneals there are, and how warm the first one begins, told for how many ruins there is time."""
         k, ample = self.columns, AMPLE * len(self.held.customers)
         coupled = self.held.flags & (k.GROUPED | k.RELOADING | k.RECHARGING)  # routes of two answers do not go together then
-        course.anneals = 1 if coupled or ruins < ample else ANNEALS
+        course.anneals = 1 if coupled or ruins * self.abreast < ample else max(2, ANNEALS // self.abreast)
         if len(self.held.customers) >= LARGE:
             course.hot *= min(1.0, max(COOLEST, ruins / ample))
 

@@ -15,6 +15,7 @@ import waybound as wb
 from waybound.instances.errors import UnsupportedError, UsageError
 from waybound.solvers.backend import Control, Options, RawResult
 from waybound.solvers.engines.routing import portfolio
+from waybound.solvers.engines.routing.best_routes import BestRoutes
 from waybound.solvers.engines.routing.portfolio import Portfolio
 from waybound.solvers.engines.routing.pyvrp import PyVRP
 from waybound.solvers.engines.routing.ruin_recreate import RuinRecreate
@@ -113,6 +114,24 @@ def test_a_library_searches_while_loops_are_compiled(monkeypatch: pytest.MonkeyP
     assert engines(run(problem, iterations=10)) == ["ruin-recreate", "pyvrp"] and len(commands) == 1  # which shall repeat
     monkeypatch.setattr(portfolio, "COMPILING", 10.0)
     assert engines(run(problem, time_limit=1.0)) == ["pyvrp"] and len(commands) == 1  # too short to compile anything
+
+
+def test_one_companion_searches_beside_all_turns_of_others(monkeypatch: pytest.MonkeyPatch) -> None:
+    began, accompanied = [], portfolio.accompanied
+
+    def told(
+        companion: RuinRecreate, problem: wb.RoutingProblem, options: Options, best: BestRoutes
+    ) -> contextlib.AbstractContextManager[None]:
+        began.append(options.start)
+        return accompanied(companion, problem, options, best)
+
+    monkeypatch.setattr(portfolio, "accompanied", told)
+    monkeypatch.setattr(portfolio, "ENOUGH", 0)  # however slow this machine is, others have turns
+    problem = wb.generate("random", customers=30, capacity=40)
+    found = run(problem, threads=2, time_limit=2.0)
+    assert engines(found)[:2] == ["ruin-recreate", "branch-price-cut"] and len(began) == 1 and began[0] is not None
+    assert problem.evaluate(found.answer).values[0] <= problem.evaluate(began[0]).values[0]
+    assert run(problem, threads=2, iterations=20).answer == run(problem, iterations=20).answer and len(began) == 1
 
 
 def test_what_the_only_engine_that_takes_a_problem_does_not_keep_to_is_refused() -> None:

@@ -218,7 +218,7 @@ def test_one_anneal_of_many_customers_begins_cooler_the_less_time_there_is() -> 
         from waybound.solvers.engines.routing.ruin_recreate_steps import columns
 
         course, held = ruin_recreate.Course(100.0, 1.0), SimpleNamespace(flags=0, customers=range(customers))
-        ruin_recreate._Search.plan(SimpleNamespace(columns=columns, held=held), course, ruins_each * customers)
+        ruin_recreate._Search.plan(SimpleNamespace(columns=columns, held=held, abreast=1), course, ruins_each * customers)
         return course.anneals, course.hot
 
     assert begun(400, 12_000) == (ruin_recreate.ANNEALS, 100.0) and begun(400, 6_000) == (1, 50.0) and begun(400, 10) == (1, 25.0)
