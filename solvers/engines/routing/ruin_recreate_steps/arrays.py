@@ -137,17 +137,17 @@ class Arrays:
 
     def routes(self, following: Integers) -> Routes:
         """The routes that ``following``, the successor of each node, makes up."""
-        kept = ((self.visits(r, following), int(row[k.KIND])) for r, row in enumerate(self.route))
+        after = following.tolist()
+        kept = ((self.visits(r, after), int(row[k.KIND])) for r, row in enumerate(self.route))
         return Routes.of(Route(visits, kind) for visits, kind in kept if visits)
 
-    def visits(self, route: int, following: Integers | None = None) -> tuple[int, ...]:
-        """The stops of a route, by ``following`` or as it is at hand."""
-        after = self.node[:, k.FOLLOWING] if following is None else following
-        end = len(self.site) + 2 * route + 1
-        stops, at = [], int(after[end - 1])
+    def visits(self, route: int, following: list[int]) -> tuple[int, ...]:
+        """The stops of a route."""
+        sites, end = len(self.site), len(self.site) + 2 * route + 1
+        stops, at = [], following[end - 1]
         while at != end:
-            stops.append(int(self.node[at, k.SITE]))
-            at = int(after[at])
+            stops.append(at if at < sites else int(self.node[at, k.SITE]))
+            at = following[at]
         return tuple(stops)
 
 

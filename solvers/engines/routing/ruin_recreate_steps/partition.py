@@ -53,8 +53,9 @@ class Pool:
         """Keep the routes at hand that have changed since the last time."""
         rows = self.held.route
         changed = (rows[:, k.VISITS] > 0) & (rows[:, k.SOUND] > 0) & (rows[:, k.STAMP] > self.looked)
+        following = self.held.node[:, k.FOLLOWING].tolist()
         for r in np.nonzero(changed)[0].tolist():
-            self.add(Route(self.held.visits(r), int(rows[r, k.KIND])), int(rows[r, k.COST]))
+            self.add(Route(self.held.visits(r, following), int(rows[r, k.KIND])), int(rows[r, k.COST]))
         self.looked = int(self.held.sums[k.STEPS])
         while len(self.routes) > KEPT:
             del self.routes[next(iter(self.routes))]
@@ -84,7 +85,8 @@ class Pool:
         """A cheaper answer that routes of the pool make up together with those at hand outside of a region; None where none is found."""
         rows = self.held.route
         used = np.nonzero(rows[:, k.VISITS] > 0)[0].tolist()
-        at_hand = [Route(self.held.visits(r), int(rows[r, k.KIND])) for r in used]
+        following = self.held.node[:, k.FOLLOWING].tolist()
+        at_hand = [Route(self.held.visits(r, following), int(rows[r, k.KIND])) for r in used]
         for route, r in zip(at_hand, used, strict=True):
             self.add(route, int(rows[r, k.COST]))
         region = self.region(at_hand)

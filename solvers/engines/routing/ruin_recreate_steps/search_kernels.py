@@ -82,6 +82,10 @@ from .route_kernels import (
     word,
 )
 from .shipment_kernels import ship, ship_on
+from .two_opt_kernels import TIED, two_opt
+
+EXCHANGES = 8
+"""One step in so many looks for an exchange of ends first."""
 
 
 @kernel(
@@ -495,19 +499,21 @@ def anneal(  # type: ignore[no-untyped-def]
             break
         sums[STEPS] += 1
         step, before = sums[STEPS], sums[SEARCHED]
+        most, owed = before - warmth * np.log(share(random) + 1e-300), 0
         logged, moves, routes = 0, 0, 0
         for k in range(kinds):
             routes += types[k, USED]
         if kinds > 1 and routes > 0 and below(random, 32) == 0:
             logged = hand_over(ways, at_way, types, allowed, customers, route, node, site, sums, random, log, logged, step, flags)
-        elif routes > 0:
+        elif routes > 0 and not flags & TIED and below(random, EXCHANGES) == 0:
+            logged = two_opt(ways, at_way, site, types, customers, near, route, node, sums, random, log, logged, most - before, step, flags)
+        if logged == 0 and routes > 0:
             logged, moves = ruin(
                 ways, at_way, site, types, customers, near, route, node, absent, sums, random, log, moved, sizes, routes, step, flags
             )
         moves = list_others(site, node, absent, sums, random, moved, moves, step)
         if flags & GROUPED:  # after all others: any of a group may take the place of the one that was listed, and must be put back then
             moves = list_alternatives(site, node, moved, moves, step)
-        most, owed = before - warmth * np.log(share(random) + 1e-300), 0
         for m in range(moves if flags & LENGTHENED else 0):
             owed += site[moved[m], MISSED]
         hopeless = False

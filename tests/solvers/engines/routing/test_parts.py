@@ -27,15 +27,20 @@ def run(problem: wb.RoutingProblem, control: Control | None = None, **options: o
 
 @pytest.mark.parametrize("feature", FEATURES)
 def test_answers_are_feasible_and_near_to_those_of_the_whole(feature: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    problem = made(feature)
-    found = run(problem)
-    judged = problem.evaluate(found.answer)
-    assert found.status == "feasible" and judged.feasible, judged.violations[:1]
-    assert found.statistics["iterations"] == 3000 and found.statistics["rounds"] > 2
-    assert len(problem.senses) > 1 or found.objective == judged.values[0]
-    monkeypatch.setattr(parts, "WHOLE", 1000)
-    whole = problem.evaluate(RuinRecreate().run(problem, Options(iterations=3000), Control()).answer).values
-    for sense, one, other in zip(problem.senses, judged.values, whole, strict=True):
+    """On the mean of three seeds: 3,000 ruins of a mixed fleet end 4 % apart with one seed and another."""
+    problem, divided, whole = made(feature), [], []
+    for seed in range(3):
+        found = run(problem, seed=seed)
+        judged = problem.evaluate(found.answer)
+        assert found.status == "feasible" and judged.feasible, judged.violations[:1]
+        assert found.statistics["iterations"] == 3000 and found.statistics["rounds"] > 2
+        assert len(problem.senses) > 1 or found.objective == judged.values[0]
+        divided.append(judged.values)
+        with monkeypatch.context() as undivided:
+            undivided.setattr(parts, "WHOLE", 1000)
+            answer = RuinRecreate().run(problem, Options(iterations=3000, seed=seed), Control()).answer
+        whole.append(problem.evaluate(answer).values)
+    for sense, one, other in zip(problem.senses, np.mean(divided, axis=0), np.mean(whole, axis=0), strict=True):
         assert (one <= 1.15 * other) if sense == "min" else (one >= 0.85 * other)
 
 
