@@ -140,7 +140,7 @@ def files() -> dict[str, list[tuple[str, str]]]:
          "routes": [{"vehicle": 1, "cost": 5, "steps": [{"type": "start"}, {"type": "job", "id": 1}, {"type": "end"}]}]}
     )  # fmt: skip
     sequence = (
-        "NAME : t\nTYPE : OP\nDIMENSION : 3\nROUTE_NODES : 2\nROUTE_SCORE : 8\nNODE_SEQUENCE_SECTION\n1\n2\n-1\nDEPOT_SECTION\n1\n-1\nEOF\n"
+        "NAME : t\nTYPE : OP\nDIMENSION : 3\nROUTE_NODES : 2\nROUTE_SCORE : 8\nNODE_SEQUENCE_SECTION\n2\n1\n-1\nDEPOT_SECTION\n2\n-1\nEOF\n"
     )
     tour = "NAME : t\nTYPE : TOUR\nDIMENSION : 4\nTOUR_SECTION\n1\n2\n4\n3\n-1\nEOF\n"
     return {

@@ -90,7 +90,8 @@ def test_heuristics_bounds_and_engines_use_the_lp_solver_that_is_named(registere
     problem = BottleneckSATA(random_graph(3), fractional=given.get("solver") == "saddle")
     own, named = solve(problem, **given), solve(problem, **given, lp_solver="counting", seed=5, threads=2)
     assert Counting.told
-    assert {(options.seed, options.threads) for _, options in Counting.told} == {(5, 2)}
+    threads = 1 if "solver" in given else 2  # of the engine's programs one, so that its answer does not hang on how many there are
+    assert {(options.seed, options.threads) for _, options in Counting.told} == {(5, threads)}
     assert own.bound is not None and named.bound == pytest.approx(own.bound, rel=1e-6)
 
 
