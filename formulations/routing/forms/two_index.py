@@ -87,7 +87,10 @@ def needed_resources(problem: RoutingProblem, prep: Preparation, connected: bool
 
 
 def beyond_rounding(difference: Floats, *terms: Floats) -> NDArray[np.bool_]:
-    """Where a difference of these terms exceeds 0 by more than rounding: a coefficient of 1e-16 makes solvers scale its row beyond use."""
+    """True for each difference, computed from ``terms``, that is positive by more than its rounding error.
+
+    The others must not become coefficients: solvers scale a row by its entries, and one of 1e-16 spoils that.
+    """
     size: Floats = np.sum([np.abs(np.where(np.isfinite(term), term, 0.0)) for term in terms], axis=0)
     return np.asarray(difference > 8.0 * math.ulp(1.0) * size)
 

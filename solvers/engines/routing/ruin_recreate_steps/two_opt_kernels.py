@@ -69,7 +69,7 @@ def have_room(site, types, route, node, r, s, c, i, turned):  # type: ignore[no-
 
 @inner
 def turn(node, first, last):  # type: ignore[no-untyped-def]
-    """Visit those from ``first`` to ``last`` in the opposite order; what comes before and behind them is not linked to them yet."""
+    """Reverse the visits from ``first`` to ``last``; their neighbours on the route are still to be linked to them."""
     at = first
     while True:
         ahead = node[at, FOLLOWING]
@@ -81,7 +81,7 @@ def turn(node, first, last):  # type: ignore[no-untyped-def]
 
 @inner
 def hand(node, first, last, r):  # type: ignore[no-untyped-def]
-    """Those from ``first`` to ``last`` are on route ``r``."""
+    """Assign the visits from ``first`` to ``last``, which follow one another, to route ``r``."""
     at = first
     while True:
         node[at, ROUTE] = r
@@ -92,13 +92,13 @@ def hand(node, first, last, r):  # type: ignore[no-untyped-def]
 
 @inner
 def link(node, a, b):  # type: ignore[no-untyped-def]
-    """``b`` comes right after ``a``."""
+    """Make ``b`` the visit right after ``a``."""
     node[a, FOLLOWING], node[b, PREVIOUS] = b, a
 
 
 @inner
 def swap_ends(site, node, r, s, c, i):  # type: ignore[no-untyped-def]
-    """``c`` of route ``r`` goes on with ``i`` of route ``s`` and all behind it, and who came before ``i`` with those after ``c``."""
+    """Exchange the ends of two routes: after ``c`` of route ``r`` comes ``i`` of route ``s`` with all behind it, and vice versa."""
     end_r, end_s = len(site) + 2 * r + 1, len(site) + 2 * s + 1
     rest, before, last_r, last_s = node[c, FOLLOWING], node[i, PREVIOUS], node[end_r, PREVIOUS], node[end_s, PREVIOUS]
     hand(node, i, last_s, r)
@@ -114,8 +114,7 @@ def swap_ends(site, node, r, s, c, i):  # type: ignore[no-untyped-def]
 
 @inner
 def swap_turned(site, node, r, s, c, i):  # type: ignore[no-untyped-def]
-    """``c`` of route ``r`` is followed by ``i`` of route ``s`` and all before it, backwards, and route ``s`` begins with who came after
-    ``c``, backwards; both may be starts."""
+    """Exchange the end of route ``r`` after ``c`` for the beginning of route ``s`` up to ``i``, both reversed; both may be starts."""
     end_r, head_s = len(site) + 2 * r + 1, len(site) + 2 * s
     rest, behind, last_r, first_s = node[c, FOLLOWING], node[i, FOLLOWING], node[end_r, PREVIOUS], node[head_s, FOLLOWING]
     if i == head_s:

@@ -169,7 +169,7 @@ class RegretMatching:
     def _play(self, count: int) -> int:
         """``count`` steps, or fewer; returns how many."""
         from .regret_kernels import answer, charge, play
-        from .sums_kernels import covers
+        from .sums_kernels import multiply
 
         game, first, flag = self._game, self.steps + 1, self._game.limits.stop.flag
         graph, threads, shares, prices = game.layout, game.threads, self._shares, self._prices
@@ -181,7 +181,7 @@ class RegretMatching:
                 return step - first
             part = 6.0 * step / ((step + 1.0) * (2.0 * step + 1.0))
             threads.share(answer, game.robot_parts, graph, prices, shares, self._worth, self._regrets, self._mean_shares, part)
-            threads.share(covers, game.target_parts, graph, shares, self._cover)
+            threads.share(multiply, game.target_parts, *graph.by_target, shares, self._cover)
             charge(self._cover, prices, self._grudges, self._mean_prices, part)
         return count
 

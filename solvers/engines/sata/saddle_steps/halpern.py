@@ -57,7 +57,7 @@ class HalpernPrimalDual:
     def _make(self, count: int) -> int:
         """``count`` steps, or fewer; returns how many."""
         from .halpern_kernels import move_prices, move_shares, steps
-        from .sums_kernels import covers
+        from .sums_kernels import multiply
 
         game, play, flag, (ahead, cover) = self._game, self._restarts, self._game.limits.stop.flag, self._between
         (shares, prices), (new_shares, new_prices), (first_shares, first_prices) = play.point, play.ahead, play.anchor
@@ -71,7 +71,7 @@ class HalpernPrimalDual:
                 return made
             part = (play.since + made + 1.0) / (play.since + made + 2.0)
             threads.share(move_shares, game.robot_parts, graph, share_steps, prices, shares, new_shares, first_shares, ahead, part)
-            threads.share(covers, game.target_parts, graph, ahead, cover)
+            threads.share(multiply, game.target_parts, *graph.by_target, ahead, cover)
             move_prices(price_steps, cover, prices, new_prices, first_prices, self._level, part)
         return count
 

@@ -6,7 +6,7 @@ from .....formulations.kernels import kernel
 from .....formulations.stop_kernel import asked
 from .layout import LAYOUT, Layout
 from .restarts_kernels import to_simplex
-from .sums_kernels import covers
+from .sums_kernels import multiply
 
 _NAMED = (Layout,)
 """The named tuple that these types name."""
@@ -75,6 +75,6 @@ def steps(  # type: ignore[no-untyped-def]
             return step - since
         part = (step + 1.0) / (step + 2.0)
         move_shares(graph, share_steps, prices, shares, new_shares, first_shares, ahead, part, 0, len(graph.first) - 1)
-        covers(graph, ahead, cover, 0, len(cover))
+        multiply(graph.viewer_starts, graph.viewing, graph.viewer_weights, ahead, cover, 0, len(cover))
         move_prices(price_steps, cover, prices, new_prices, first_prices, level, part)
     return count

@@ -29,6 +29,16 @@ class Layout(NamedTuple):
     viewer_weights: Floats
     viewers: NDArray[np.int32]
 
+    @property
+    def by_action(self) -> tuple[NDArray[np.int32], NDArray[np.int32], Floats]:
+        """Weights as a CSR matrix, actions x targets."""
+        return self.starts, self.targets, self.weights
+
+    @property
+    def by_target(self) -> tuple[NDArray[np.int32], NDArray[np.int32], Floats]:
+        """Weights as a CSR matrix, targets x actions."""
+        return self.viewer_starts, self.viewing, self.viewer_weights
+
     @classmethod
     def of(cls, graph: SensingGraph) -> Layout:
         """The layout of a graph."""

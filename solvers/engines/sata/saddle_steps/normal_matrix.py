@@ -70,18 +70,18 @@ class NormalMatrix:
 
     def covers(self, shares: Floats) -> Floats:
         """C x of shape (targets,)."""
-        from .sums_kernels import covers
+        from .sums_kernels import multiply
 
         game, cover = self._game, np.empty(len(self.starts) - 1)
-        self.threads.share(covers, game.target_parts, game.layout, shares, cover)
+        self.threads.share(multiply, game.target_parts, *game.layout.by_target, shares, cover)
         return cover
 
     def worths(self, prices: Floats) -> Floats:
         """C'y of shape (actions,)."""
-        from .sums_kernels import worths
+        from .sums_kernels import multiply
 
         game, worth = self._game, np.empty(self._game.graph.num_actions)
-        self.threads.share(worths, game.action_parts, game.layout, prices, worth)
+        self.threads.share(multiply, game.action_parts, *game.layout.by_action, prices, worth)
         return worth
 
     def times(self, values: Floats, vector: Floats, product: Floats) -> None:

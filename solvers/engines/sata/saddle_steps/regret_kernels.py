@@ -5,7 +5,7 @@ from __future__ import annotations
 from .....formulations.kernels import kernel
 from .....formulations.stop_kernel import asked
 from .layout import LAYOUT, Layout
-from .sums_kernels import covers
+from .sums_kernels import multiply
 
 _NAMED = (Layout,)
 """The named tuple that these types name."""
@@ -69,6 +69,6 @@ def play(  # type: ignore[no-untyped-def]
         # 6 t^2 / (t (t + 1) (2 t + 1)): weight of step t in the mean of squares up to it.
         part = 6.0 * step / ((step + 1.0) * (2.0 * step + 1.0))
         answer(graph, prices, shares, worth, regrets, mean_shares, part, 0, len(graph.first) - 1)
-        covers(graph, shares, cover, 0, len(cover))
+        multiply(graph.viewer_starts, graph.viewing, graph.viewer_weights, shares, cover, 0, len(cover))
         charge(cover, prices, grudges, mean_prices, part)
     return count
