@@ -39,8 +39,11 @@ RUINS = 100
 WORK = ("iterations", "solutions", "scale")
 """Entries of the last engine's statistics that the portfolio's statistics repeat."""
 
-ENOUGH = 15_000
+ENOUGH = 40_000
 """Ruins for each customer that ruin and recreate is given time for, if the limit has it, before another engine goes on from its routes."""
+
+ENOUGH_BEFORE_PROOF = 15_000
+"""The same before the turn of branch, price and cut."""
 
 FIRST_SHARE = 0.5
 """Least part of the time for ruin and recreate where another engine goes on from its routes."""
@@ -55,8 +58,9 @@ LAST_SHARE = 0.1
 """Part of the time below which no other engine is begun."""
 
 
-FEW_CUSTOMERS, SHORT = 250, 15.0
-"""Problems of no more customers, and answers of no more visits a route, whose routes branch, price and cut can look through in time."""
+FEW_CUSTOMERS, FEW_WITHOUT_WINDOWS, SHORT = 250, 150, 15.0
+"""Problems of no more customers, with time windows and without, and answers of no more visits a route, whose routes branch, price and cut
+can look through in time."""
 
 FIRST_BOUND = 0.2
 """Part of its time in which branch, price and cut has to solve its first linear program, or another engine takes its place."""
@@ -86,7 +90,7 @@ class BeforeProof(Opening):
     def seconds_at(self, speed: float, customers: int, routes: int, left: float) -> float:
         if customers > SHORT * routes:
             return super().seconds_at(speed, customers, routes, left)
-        return min(FIRST_SHARE * left, ENOUGH * customers / max(1.0, speed))
+        return min(FIRST_SHARE * left, ENOUGH_BEFORE_PROOF * customers / max(1.0, speed))
 
 
 def proves(problem: RoutingProblem) -> bool:
@@ -124,7 +128,8 @@ class Portfolio(Engine):
                 rich = Turn(RuinRecreate, 0.5, RUINS, {"worth": 4.0})
                 return [Turn(RuinRecreate, 0.4, RUINS), rich, Turn(PyVRP)]  # how much rewards are best taken for differs from file to file
             plain = not RuinRecreate().bisects(problem)  # else it is asked again and again, each time for a part of its time
-            if plain and len(problem.customers) <= FEW_CUSTOMERS and proves(problem):
+            few = FEW_CUSTOMERS if "time-windows" in problem.features() else FEW_WITHOUT_WINDOWS
+            if plain and len(problem.customers) <= few and proves(problem):
                 return [Turn(BeforeProof, work=RUINS), Turn(BranchPriceCut), Turn(PyVRP)]
             return [Turn(Opening, work=RUINS) if plain else Turn(RuinRecreate, FIRST_SHARE, RUINS), Turn(PyVRP)]
         return [Turn(kind, work=RUINS if kind is RuinRecreate else 1) for kind in able[:1]]

@@ -30,7 +30,7 @@ NODES = 20
 UNITS = 1e6
 """Value of the answer at hand in a program's own units."""
 
-CHOSEN = 1_000
+CHOSEN = 400
 """Routes of least reduced cost among which a program chooses at most."""
 
 Key = tuple[int, frozenset[int]]

@@ -15,6 +15,7 @@ from .columns import (
     ALTERNATIVE,
     AWAY,
     BETTER,
+    CAPACITY,
     COMPUTED,
     COUNTED,
     DEMAND,
@@ -226,7 +227,7 @@ def list_others(site, node, absent, sums, random, moved, moves, step):  # type: 
     """Add some of those that were left out before to what is to be inserted; returns how many there are."""
     for _try in range(min(sums[ABSENT] - moves, 10)):
         c = absent[below(random, sums[ABSENT])]
-        if node[c, LISTED] != step:
+        if node[c, LISTED] != step and not settled(site, node, c):
             node[c, LISTED] = step
             moved[moves] = c
             moves += 1
@@ -266,26 +267,71 @@ def sort(ways, site, types, random, moved, todo, keys, moves, dims, flags):  # t
     return many
 
 
+@inlined
+def next_to(  # type: ignore[no-untyped-def]
+    ways, at_way, site, types, allowed, near, reach, drive, route, node, random, c, many, least, least_unit, flags
+):  # fmt: skip
+    """Look where ``c`` costs less than ``least`` next to so many of its neighbours; one place in 128 is overlooked. Returns what it costs
+    there and the visit before it, or ``least`` and -1."""
+    sites, opens, due, away, after = len(site), site[c, READY], site[c, DUE], site[c, AWAY], -1
+    for q in range(many):
+        i = near[c, q]
+        if i < 0:
+            break
+        r, behind, far = node[i, ROUTE], node[i, PREVIOUS], reach[c, q]
+        if r < 0:
+            continue
+        short = least_unit * (far - node[i, AHEAD]) < least
+        if not flags & TIMED:
+            if behind < sites:
+                behind = -1
+            if not short:
+                i, behind = behind, -1
+        elif far < 0:
+            begins = max(node[behind, FREE], opens)
+            in_time = begins <= due and begins + drive[c, q] <= node[i, LATEST]
+            i = behind if in_time and least_unit * (-1 - far - node[behind, AHEAD]) < least else -1
+            behind = -1
+        else:
+            if behind < sites or max(node[behind, FREE], opens) + away > node[i, LATEST]:
+                behind = -1
+            begins = max(node[i, FREE] + drive[c, q], opens)
+            if not short or begins > due or begins + away > node[node[i, FOLLOWING], LATEST]:
+                i, behind = behind, -1
+        if i < 0 or not fits(site, route, c, r, flags):
+            continue
+        while i >= 0:
+            cost = longer(ways, at_way, site, types, allowed, route, node, c, i, r, least, flags)
+            if cost < least and word(random) & np.uint64(127):
+                least, after = cost, i
+            i, behind = behind, -1
+    return least, after
+
+
 @inner
-def cheapest(ways, at_way, site, types, allowed, alone, near, route, node, c, random, flags):  # type: ignore[no-untyped-def]
-    """Choose one site of the group of ``c`` to be visited: the cheapest to insert next to its neighbours, of a random half of the group."""
-    chosen, least, one = c, NONE, c
+def cheapest(  # type: ignore[no-untyped-def]
+    ways, at_way, site, types, allowed, alone, near, reach, drive, route, node, sums, c, random, least_unit, dims, flags
+):  # fmt: skip
+    """Choose one site of the group of ``c`` to be visited: the cheapest to insert next to its neighbours, of a random half of the group.
+    Capacity costs something, too, every other time: up to what routes cost for each unit of it."""
+    chosen, least, one, price = c, NONE, c, 0.0
+    if dims > 0 and below(random, 2):
+        capacity = 0
+        for k in range(len(types)):
+            capacity += types[k, USED] * types[k, CAPACITY]
+        price = share(random) * sums[SEARCHED] / max(1, capacity)
     while True:
         cost = NONE
         for k in range(len(types)):
             if types[k, USED] < types[k, SLOTS]:
                 cost = min(cost, alone[k, one])
-        for q in range(near.shape[1]):
-            i = near[one, q]
-            if i < 0:
-                break
-            r = node[i, ROUTE]
-            if r < 0 or not fits(site, route, one, r, flags):
-                continue
-            for place in (node[i, PREVIOUS], i):
-                cost = min(cost, longer(ways, at_way, site, types, allowed, route, node, one, place, r, cost, flags))
-        if cost < NONE and cost - site[one, MISSED] < least and below(random, 2):
-            chosen, least = one, cost - site[one, MISSED]
+        cost, _after = next_to(
+            ways, at_way, site, types, allowed, near, reach, drive, route, node, random, one, near.shape[1], cost, least_unit, flags
+        )
+        if cost < NONE:
+            cost += np.int64(price * site[one, DEMAND]) - site[one, MISSED]
+            if cost < least and below(random, 2):
+                chosen, least = one, cost
         one = site[one, ALTERNATIVE]
         if one == c:
             return chosen
@@ -300,7 +346,6 @@ def insert(  # type: ignore[no-untyped-def]
     if settled(site, node, c):
         return logged
     sites, kinds, partner = len(site), len(types), site[c, PARTNER]
-    opens, due, away = site[c, READY], site[c, DUE], site[c, AWAY]
     chance, least, after, opened = below(random, 128), site[c, MISSED], -1, -1
     if partner >= 0:
         least += site[partner, MISSED]
@@ -321,37 +366,10 @@ def insert(  # type: ignore[no-untyped-def]
             least = ship(ways, at_way, site, types, allowed, route, node, near, c, partner, least, token, random, places, flags)
             after = places[0]
     else:
-        for q in range(0 if apart else near.shape[1]):
-            i = near[c, q]
-            if i < 0:
-                break
-            r, behind, far = node[i, ROUTE], node[i, PREVIOUS], reach[c, q]
-            if r < 0:
-                continue
-            short = least_unit * (far - node[i, AHEAD]) < least
-            if not flags & TIMED:
-                if behind < sites:
-                    behind = -1
-                if not short:
-                    i, behind = behind, -1
-            elif far < 0:
-                begins = max(node[behind, FREE], opens)
-                in_time = begins <= due and begins + drive[c, q] <= node[i, LATEST]
-                i = behind if in_time and least_unit * (-1 - far - node[behind, AHEAD]) < least else -1
-                behind = -1
-            else:
-                if behind < sites or max(node[behind, FREE], opens) + away > node[i, LATEST]:
-                    behind = -1
-                begins = max(node[i, FREE] + drive[c, q], opens)
-                if not short or begins > due or begins + away > node[node[i, FOLLOWING], LATEST]:
-                    i, behind = behind, -1
-            if i < 0 or not fits(site, route, c, r, flags):
-                continue
-            while i >= 0:
-                cost = longer(ways, at_way, site, types, allowed, route, node, c, i, r, least, flags)
-                if cost < least and word(random) & np.uint64(127):
-                    least, after = cost, i
-                i, behind = behind, -1
+        least, after = next_to(
+            ways, at_way, site, types, allowed, near, reach, drive, route, node, random, c, 0 if apart else near.shape[1], least, least_unit,
+            flags,
+        )  # fmt: skip
     reload, stops = -1, 0
     if flags & RECHARGING and not apart and (after < 0 or below(random, 4) == 0):
         cost = recharge_and_visit(ways, at_way, site, types, allowed, route, node, near, depots, sums, random, c, least, places, flags)
@@ -524,7 +542,9 @@ def anneal(  # type: ignore[no-untyped-def]
             c = todo[m]
             owed -= site[c, MISSED]
             if flags & GROUPED and site[c, ALTERNATIVE] >= 0 and not settled(site, node, c):
-                c = cheapest(ways, at_way, site, types, allowed, alone, near, route, node, c, random, flags)
+                c = cheapest(
+                    ways, at_way, site, types, allowed, alone, near, reach, drive, route, node, sums, c, random, least_unit, dims, flags
+                )
             logged = insert(
                 ways, at_way, site, types, allowed, alone, near, reach, drive, depots, route, node, absent, sums, random, log, logged,
                 places, c, (step << 20) + m, step, least_unit, warmth, flags,

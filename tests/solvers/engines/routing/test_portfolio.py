@@ -102,7 +102,7 @@ def test_a_library_searches_while_loops_are_compiled(monkeypatch: pytest.MonkeyP
 
     monkeypatch.setattr(portfolio, "child", short)
     monkeypatch.setattr(portfolio, "COMPILING", 0.0)
-    monkeypatch.setattr(portfolio, "ENOUGH", 0)  # however slow this machine is, the second one has a turn
+    monkeypatch.setattr(portfolio, "ENOUGH_BEFORE_PROOF", 0)  # however slow this machine is, the second one has a turn
     looks: list[bool] = []
     monkeypatch.setattr(type(search_kernels.anneal), "kept", lambda kernel: looks.append(True) or len(looks) > 1)
     problem = wb.generate("random", customers=30, capacity=40)
@@ -126,7 +126,7 @@ def test_one_companion_searches_beside_all_turns_of_others(monkeypatch: pytest.M
         return accompanied(companion, problem, options, best)
 
     monkeypatch.setattr(portfolio, "accompanied", told)
-    monkeypatch.setattr(portfolio, "ENOUGH", 0)  # however slow this machine is, others have turns
+    monkeypatch.setattr(portfolio, "ENOUGH_BEFORE_PROOF", 0)  # however slow this machine is, others have turns
     problem = wb.generate("random", customers=30, capacity=40)
     found = run(problem, threads=2, time_limit=2.0)
     assert engines(found)[:2] == ["ruin-recreate", "branch-price-cut"] and len(began) == 1 and began[0] is not None
