@@ -127,11 +127,13 @@ class Portfolio(Engine):
             if {term.name for level in problem.objective.levels() for _, term in level.terms} == {"reward"}:
                 rich = Turn(RuinRecreate, 0.5, RUINS, {"worth": 4.0})
                 return [Turn(RuinRecreate, 0.4, RUINS), rich, Turn(PyVRP)]  # how much rewards are best taken for differs from file to file
-            plain = not RuinRecreate().bisects(problem)  # else it is asked again and again, each time for a part of its time
+            # Bisection asks it again and again, each time for a part of its time; of groups it looks at many sites for each visit.
+            if RuinRecreate().bisects(problem) or problem.sites.groups:
+                return [Turn(RuinRecreate, FIRST_SHARE, RUINS), Turn(PyVRP)]
             few = FEW_CUSTOMERS if "time-windows" in problem.features() else FEW_WITHOUT_WINDOWS
-            if plain and len(problem.customers) <= few and proves(problem):
+            if len(problem.customers) <= few and proves(problem):
                 return [Turn(BeforeProof, work=RUINS), Turn(BranchPriceCut), Turn(PyVRP)]
-            return [Turn(Opening, work=RUINS) if plain else Turn(RuinRecreate, FIRST_SHARE, RUINS), Turn(PyVRP)]
+            return [Turn(Opening, work=RUINS), Turn(PyVRP)]
         return [Turn(kind, work=RUINS if kind is RuinRecreate else 1) for kind in able[:1]]
 
     def needs(self, problem: Problem) -> Needs:

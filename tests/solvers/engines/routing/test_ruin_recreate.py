@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -106,6 +107,16 @@ def test_no_answer_has_fewer_routes_than_are_asked_for(optional: bool) -> None:
     alone = replace(problem, fleet=(replace(problem.fleet[0], count=7),), min_vehicles=7)
     found = run(alone, iterations=300)
     assert found.answer is None and found.message == "no answer was found that has 7 routes"
+
+
+@pytest.mark.slow
+def test_of_alternatives_those_are_visited_that_fill_no_route_too_many(benchmarks: Path) -> None:
+    from waybound.instances.reading import read_instance
+    from waybound.reports.benchmarks.made_problems import grouped
+
+    problem = grouped(read_instance(benchmarks / "cvrp/X/X-n200-k36.vrp"), "groups-of-three", {})
+    counts = [len(run(problem, iterations=60_000, seed=seed).answer) for seed in range(3)]  # type: ignore[attr-defined]
+    assert sorted(counts)[1] == 10  # by the cheapest place alone, nearly all have eleven
 
 
 def test_overtime_is_no_reason_to_leave_a_required_site_out() -> None:
