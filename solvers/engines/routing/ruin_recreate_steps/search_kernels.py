@@ -366,10 +366,10 @@ def insert(  # type: ignore[no-untyped-def]
             least = ship(ways, at_way, site, types, allowed, route, node, near, c, partner, least, token, random, places, flags)
             after = places[0]
     else:
+        many = 0 if apart else near.shape[1]
         least, after = next_to(
-            ways, at_way, site, types, allowed, near, reach, drive, route, node, random, c, 0 if apart else near.shape[1], least, least_unit,
-            flags,
-        )  # fmt: skip
+            ways, at_way, site, types, allowed, near, reach, drive, route, node, random, c, many, least, least_unit, flags
+        )
     reload, stops = -1, 0
     if flags & RECHARGING and not apart and (after < 0 or below(random, 4) == 0):
         cost = recharge_and_visit(ways, at_way, site, types, allowed, route, node, near, depots, sums, random, c, least, places, flags)
