@@ -92,7 +92,6 @@ def agrees(problem: RoutingProblem, form: str, expected: float | None) -> None:
     verdict = problem.evaluate(answer)
     assert verdict.feasible, verdict.violations
     assert verdict.values[0] == pytest.approx(expected, abs=1e-6)
-    assert made.encode is not None
     back = made.encode(answer)
     assert program.residual(back) <= 1e-7
     assert program.value(back) == pytest.approx(expected, abs=1e-6)

@@ -91,7 +91,6 @@ def cases() -> list[tuple[Problem, float | None, str]]:
 def apart(problem: RoutingProblem) -> tuple[Problem, float | None, Evidence]:
     """A tree of statements on visits whose leaves keep types of vehicle apart."""
     values = best_values(problem)
-    assert values is not None
     told = prices_tree(problem, values[0])
     tree = [{"branch": node["branch"]} if "branch" in node else node for node in told]
     evidence = Evidence("branching-tree", "by hand", 0.0, {"nodes": tree})

@@ -90,7 +90,6 @@ def _routing(features: tuple[str, ...] = FEATURES) -> list[Case]:
         cases += _cases_of(problem, truth[0], [good, wb.Routes.of(first[:2])])
     mixed = small("heterogeneous-fleet", 0, "exact")
     truth = best_values(mixed)
-    assert truth is not None
     cases += _cases_of(mixed, truth[0], [], Evidence("all-routes", "all routes", truth[0], {}), look=False)
     cases += _listed()
     tour = wb.RoutingProblem(
@@ -115,7 +114,6 @@ def _listed() -> list[Case]:
             evidence = branch_price_cut.branch_price_cut_bound(problem, Stop(60.0))
             if evidence is not None and evidence.kind == "enumerated-routes":
                 truth = best_values(problem)
-                assert truth is not None
                 return _cases_of(problem, truth[0], [], evidence, look=False)
     raise AssertionError("none of thirty problems is proved over listed routes")
 

@@ -52,7 +52,6 @@ def test_positions_are_copied_and_checked() -> None:
     own = np.zeros((2, 2))
     made = arrays.positions("target", own, 2)
     own[0, 0] = 5
-    assert made is not None
     assert made[0, 0] == 0
     for wrong, says in (
         (np.zeros((3, 2)), "expected (2, 2); found (3, 2)"),

@@ -192,7 +192,6 @@ def test_a_path_is_written_as_the_search_goes(tmp_path: Path) -> None:
 
 def test_true_is_standard_error_where_there_is_no_notebook(capsys: pytest.CaptureFixture[str]) -> None:
     with shown(True) as log:
-        assert log is not None
         log({"phase": "solve", "objective": 1.0, "bound": None, "bound_kind": None, "found_by": "a"})
     told = capsys.readouterr()
     assert "answer by a" in told.err and told.out == ""
@@ -242,7 +241,6 @@ def test_in_a_notebook_the_cell_shows_the_log_and_keeps_it(monkeypatch: pytest.M
     monkeypatch.setitem(sys.modules, "ipykernel", types.ModuleType("ipykernel"))
     assert search_log.in_notebook()
     with shown(True) as log:
-        assert log is not None
         log({"phase": "solve", "objective": 1.0, "bound": None, "bound_kind": None, "found_by": "<b>"})
     assert "answer by <b>" in pages[-1]["text/plain"]
     assert "answer by &lt;b&gt;" in pages[-1]["text/html"]

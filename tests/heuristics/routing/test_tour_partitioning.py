@@ -32,7 +32,6 @@ def loaded(demand: list[float], capacity: float, travel: Travel | None = None, *
 )  # fmt: skip
 def test_the_ratio_is_that_of_the_literature(demand: list[float], capacity: float, ratio: float, source: str) -> None:
     found = run_heuristic(loaded(demand, capacity), "tour-partitioning", {}, 1)
-    assert found.guarantee is not None
     assert found.guarantee.ratio == pytest.approx(ratio) and source in found.guarantee.source
     assert found.guarantee.assumptions[:2] == ("distances are symmetric", "the triangle inequality holds")
 

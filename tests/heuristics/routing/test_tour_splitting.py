@@ -59,7 +59,6 @@ def test_moves_far_from_metric_widen_the_ratio_by_what_they_cost() -> None:
     problem = RoutingProblem(Sites.of(range(4)), Travel(EXPLICIT, matrix=matrix), (VehicleType(count=3),), LongestRoute())
     found = run_heuristic(problem, "tour-splitting", {}, 1)
     judged, best = problem.evaluate(found.answer), best_values(problem)
-    assert best is not None and found.guarantee is not None
     assert judged.values[0] <= found.guarantee.ratio * best[0] + 1e-9
     assert "shortest paths" in found.guarantee.assumptions[1]
 

@@ -116,7 +116,6 @@ def test_the_program_agrees_with_enumeration_negative_costs_and_forbidden_pairs_
 
 def test_an_answer_is_a_point_of_the_program() -> None:
     made = worked("K4", objective="bottleneck").compile("largest-cost")
-    assert made.encode is not None
     vector = made.encode((1, 2, 3, 0))
     assert made.program.residual(vector) == 0.0 and made.program.value(vector) == 12.0
 

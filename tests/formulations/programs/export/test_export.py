@@ -37,7 +37,6 @@ def test_files_keep_a_quadratic_objective(suffix: str, sense: str, tmp_path: Pat
     hessian = model.getModel().hessian_
     n = program.num_variables
     lower = sp.csc_matrix((hessian.value_, hessian.index_, hessian.start_), shape=(n, n)).toarray()
-    assert program.quadratic is not None
     assert np.array_equal(lower, np.tril(program.quadratic.toarray()))
     assert highs_value(model) == pytest.approx(reference(program), abs=1e-5)
 

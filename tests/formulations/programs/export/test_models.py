@@ -27,7 +27,6 @@ def test_one_triangle_of_the_products_is_handed_over() -> None:
     hessian = program.to_highs().getModel().hessian_
     n = program.num_variables
     held = sp.csc_matrix((hessian.value_, hessian.index_, hessian.start_), shape=(n, n)).toarray()
-    assert program.quadratic is not None
     assert np.array_equal(held, np.tril(program.quadratic.toarray()))
 
 

@@ -145,6 +145,5 @@ def test_moves_lead_over_the_depots_of_the_vehicle():
     assert first.capacity == math.inf and not first.reloads
     assert second.energy is not None and second.travel is not None
     d = problem.travel.distances
-    assert first.travel is not None
     assert (first.travel.distances == np.minimum(d, d[:, :1] + d[:1])).all()
     assert (second.travel.distances == d).all()

@@ -220,7 +220,6 @@ def test_wrong_duals_prove_no_more_than_the_optimum(problem: RoutingProblem) -> 
 def test_evidence_lists_one_number_a_site_with_zeros_at_the_depot() -> None:
     problem = routing(xy=SQUARE_4, sites={**TW_4, "demand": [0, 1, 2, 1, 1]}, count=3, capacity=3, max_distance=30.0)
     made = problem.compile("two-index-time-flow", relax=True)
-    assert made.dual_evidence is not None
     data = made.dual_evidence(duals_of(made.program)[1]).data
     assert set(data) == {"out", "in", "fleet", "resources"}
     assert set(data["resources"]) == {"time", "load", "distance"}
@@ -279,7 +278,6 @@ def test_flow_relaxation_of_a_real_file_is_verified_and_strong(benchmarks: Path)
     problem = problem_from_instance(read_instance(benchmarks / "vrptw-solomon" / "C101.txt"), None, customers=25, convention="trunc1")
     made = problem.compile("two-index-time-flow", relax=True)
     value, duals = duals_of(made.program)
-    assert made.dual_evidence is not None
     bound = verified_bound(problem, made.dual_evidence(duals))
     assert value - 1e-3 <= bound <= 191.3 + 1e-6
     assert bound >= 0.9 * 191.3 and math.isfinite(bound)

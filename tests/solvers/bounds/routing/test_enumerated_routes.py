@@ -39,7 +39,6 @@ def _at_once(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def of_kind(evidence: Evidence | None) -> list[dict[str, Any]]:
     """The evidence over listed routes in a tree."""
-    assert evidence is not None
     nodes = [{"kind": evidence.kind, "data": evidence.data}, *evidence.data.get("nodes", [])]
     return [node["data"] for node in nodes if node.get("kind") == "enumerated-routes"]
 
@@ -74,7 +73,6 @@ def test_all_sets_of_customers_are_listed_with_their_cheapest_route(feature: str
 
     def all_routes(columns: ColumnGeneration, part: Any, solved: Any, gap: float, most: int) -> Pool | None:
         every = original(columns, part, solved, 1e5, most)
-        assert every is not None
         seen.append((every, every.sums(columns.cost[0]) * columns.unit))
         return every
 
