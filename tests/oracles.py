@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from hypothesis import strategies as st
+from scipy.optimize import linprog
 from truth.routing import RoutingTruth, best_values
 
 from waybound import Energy, Objective, Program, Reward, RoutingProblem, Sites, TotalCost, Travel, UnsupportedError, Vehicles, VehicleType
@@ -22,8 +23,6 @@ def optimum(problem: RoutingProblem) -> float | None:
 
 def set_partitioning_bound(problem: RoutingProblem, fewest: int = 0) -> float:
     """LP value of choosing ``fewest`` routes or more from all feasible ones (one vehicle type, all customers required, total cost)."""
-    from scipy.optimize import linprog
-
     truth = RoutingTruth(problem)
     columns = list(truth.driven)
     visits = np.array([[float(i in route) for _, route in columns] for i in problem.customers])

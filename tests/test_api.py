@@ -12,6 +12,8 @@ from coded import coded
 from programs import Counting
 
 import waybound as wb
+from waybound.formulations.answers import write_answer
+from waybound.instances.bundled import bundled_path
 from waybound.solvers.backend import BACKENDS
 
 HEAVY = ("highspy", "ortools", "pulp", "cvxpy", "pyvrp", "pandas", "scipy", "numba", "matplotlib", "networkx")
@@ -84,8 +86,6 @@ def test_read_takes_a_bundled_name_and_settings_as_keywords():
 
 def test_a_file_goes_before_the_bundled_instance_of_its_name(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    from waybound.instances.bundled import bundled_path
-
     (tmp_path / "demo-c25").write_text(bundled_path("demo-x40").read_text())
     assert wb.read("demo-c25").name == wb.read("demo-x40").name
 
@@ -107,8 +107,6 @@ def solved():
 
 
 def test_check_takes_solutions_answers_and_files(solved, tmp_path):
-    from waybound.formulations.answers import write_answer
-
     problem, solution = solved
     write_answer(solution, tmp_path / "a.sol")
     verdicts = [wb.check(problem, given) for given in (solution, solution.answer, tmp_path / "a.sol", str(tmp_path / "a.sol"))]

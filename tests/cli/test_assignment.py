@@ -5,6 +5,8 @@ import json
 import pytest
 
 import waybound as wb
+from waybound.instances.bundled import bundled_path
+from waybound.instances.writing import write_instance
 
 SENSING = ("bottleneck", "bottleneck-lp", "winner-takes-all", "selection")
 VALUES = {"bottleneck": 1.0, "bottleneck-lp": 4 / 3, "winner-takes-all": 3.0, "selection": 3.0}
@@ -12,8 +14,6 @@ VALUES = {"bottleneck": 1.0, "bottleneck-lp": 4 / 3, "winner-takes-all": 3.0, "s
 
 @pytest.fixture
 def max_min_file(tmp_path):
-    from waybound.instances.writing import write_instance
-
     path = tmp_path / "program.json"
     write_instance(wb.MaxMinLP([[1, 1], [0, 2]], [[1, 0], [0, 3]], name="program").instance, path)
     return path
@@ -108,8 +108,6 @@ def test_info_of_a_selection_and_of_a_max_min_program(json_of, run, max_min_file
 def test_instances_go_from_one_format_to_another_and_back(run, tmp_path):
     run("convert", "figure-3-3", "--to", tmp_path / "a.json", code=0)
     run("convert", tmp_path / "a.json", "--to", tmp_path / "b.csv", code=0)
-    from waybound.instances.bundled import bundled_path
-
     assert (tmp_path / "b.csv").read_bytes() == bundled_path("figure-3-3").read_bytes()
 
 

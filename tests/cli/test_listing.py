@@ -8,6 +8,7 @@ import pytest
 
 import waybound as wb
 from waybound.instances.bundled import bundled_path
+from waybound.solvers.backend import BACKENDS
 
 
 def test_info_tells_what_an_instance_holds(json_of):
@@ -45,15 +46,11 @@ def test_solvers_are_listed_with_versions(json_of, run):
 
 
 def test_a_solver_that_is_not_installed_is_listed_with_the_command_that_brings_it(run, monkeypatch):
-    from waybound.solvers.backend import BACKENDS
-
     monkeypatch.setattr(BACKENDS["pyvrp"], "modules", ("no_such_module_anywhere",))
     assert "pip install pyvrp" in run("solvers").stdout
 
 
 def test_a_solver_that_is_not_installed_cannot_be_used_and_says_how_to_get_it(refused, monkeypatch):
-    from waybound.solvers.backend import BACKENDS
-
     monkeypatch.setattr(BACKENDS["pyvrp"], "modules", ("no_such_module_anywhere",))
     assert "pip install pyvrp" in refused("solve", "demo-tiny", "--solver", "pyvrp", "-q")
 

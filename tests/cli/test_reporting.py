@@ -6,8 +6,11 @@ import waybound as wb
 from waybound import Guarantee, Selection
 from waybound.cli.output import table_fits
 from waybound.heuristics.heuristic import HEURISTICS, Heuristic, Outcome
+from waybound.reports.ratios import guarantees
 from waybound.reports.ratios.guarantees import GuaranteePlan, run_plan
 from waybound.reports.ratios.judged_runs import Configuration
+from waybound.reports.studies.risk import reward_stages, worked_example
+from waybound.reports.studies.sata import local
 from waybound.reports.studies.sata.families.selection import random_families
 from waybound.reports.studies.study import STUDIES, Study
 from waybound.reports.tables.table import Column, Table
@@ -79,8 +82,6 @@ def test_table_3_1_ends_well(run):
 
 
 def test_table_3_1_ends_with_5_when_an_entry_differs(run, monkeypatch, tmp_path):
-    from waybound.reports.studies.sata import local
-
     monkeypatch.chdir(tmp_path)
     monkeypatch.setitem(local.PRINTED, 10, (0.5, 0.5, 0.7592, 0.2409, 0.2409, 0.7591))
     told = run("ratio", "table-3-1", "-q", code=5)
@@ -108,8 +109,6 @@ def test_without_a_folder_the_instances_are_written_where_one_stands(run, bad_st
 
 
 def test_an_interrupt_shows_what_was_done_and_says_so(run, monkeypatch):
-    from waybound.reports.ratios import guarantees
-
     honest, calls = guarantees.measure, []
 
     def measure(*given):
@@ -125,8 +124,6 @@ def test_an_interrupt_shows_what_was_done_and_says_so(run, monkeypatch):
 
 
 def test_an_interrupt_before_anything_was_done_ends_with_130(run, monkeypatch):
-    from waybound.reports.ratios import guarantees
-
     def measure(*given):
         raise KeyboardInterrupt
 
@@ -194,15 +191,11 @@ def test_pages_that_cannot_be_written_are_refused_before_anything_runs(refused, 
 
 
 def test_a_value_that_is_not_the_published_one_ends_with_5(run, monkeypatch):
-    from waybound.reports.studies.risk import worked_example
-
     monkeypatch.setattr(worked_example, "PRINTED", ("41.86 %", *worked_example.PRINTED[1:]))
     assert "risk of choice 1" in run("report", "worked-example", "-q", code=5).stderr
 
 
 def test_an_interrupted_report_shows_and_writes_what_was_done(run, monkeypatch, tmp_path):
-    from waybound.reports.studies.risk import reward_stages
-
     honest, calls = reward_stages.stages, []
 
     def stages(*given):

@@ -10,9 +10,11 @@ import pytest
 from programs import Counting
 
 import waybound as wb
+from waybound.cli import main
 from waybound.formulations.certificate import check_certificate
 from waybound.solvers import interrupts
 from waybound.solvers.backend import BACKENDS, Engine, RawResult
+from waybound.solvers.backends.highs import Highs
 
 QUICK = ("--solver", "pyvrp", "--iterations", "30", "--bound-time", "0", "--quiet")
 
@@ -193,8 +195,6 @@ def test_a_solver_whose_claimed_answer_breaks_a_constraint_is_exit_5_and_named(r
 
 
 def test_a_program_solver_that_lies_about_its_objective_is_exit_5_with_both_numbers_and_the_answer(run, strict_json, monkeypatch, tmp_path):
-    from waybound.solvers.backends.highs import Highs
-
     honest = Highs.run
 
     def lie(self, program, options, control):
@@ -238,8 +238,6 @@ def own_signals(monkeypatch):
 
 
 def test_what_native_code_prints_does_not_reach_standard_output(engine, capfd, monkeypatch, own_signals):
-    from waybound.cli import main
-
     def chatty(problem, options, control):
         os.write(1, b"Welcome to the solver\n")
         return RawResult("unknown", limit="time")

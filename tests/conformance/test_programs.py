@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 from programs import program
+from scipy.optimize import linprog
 
 from waybound import InputError, Program, Rows, UnsupportedError, UsageError, Variables
 from waybound.formulations.programs.cones import Cones
@@ -303,8 +304,6 @@ def test_unknown_options_are_refused(solve_with):
 
 @pytest.mark.share(3)
 def test_random_lps_meet_kkt_and_agree(solve_with, check_optimum):
-    from scipy.optimize import linprog
-
     rng = np.random.default_rng(5)
     for _ in range(8):
         m, n = 6, 8

@@ -12,7 +12,7 @@ from programs import program
 import waybound as wb
 from waybound import Check, CheckFailedError, InputError, Reward, Routes, RoutingProblem, Travel, UsageError, Vehicles, Violation
 from waybound.formulations.arrays.problem import ArrayProblem
-from waybound.formulations.certificate import SHOWN_VIOLATIONS, Certificate, certificate_lines, certify, check_certificate
+from waybound.formulations.certificate import SHOWN_VIOLATIONS, Certificate, certificate_lines, certify, check_certificate, gap_line
 from waybound.formulations.evidence import CHECKERS, Evidence, Guarantee
 from waybound.formulations.stop import Stop
 from waybound.formulations.verified_bounds import verified_bound
@@ -269,8 +269,6 @@ def test_a_ray_gives_way_to_an_answer_that_breaks_rows_by_no_more_than_a_check_l
 
 
 def test_of_several_levels_the_text_says_of_which_one_gap_and_ratio_are():
-    from waybound.formulations.certificate import gap_line
-
     assert gap_line(10.0, 9.0, 0.1).text == "10 %"
     assert gap_line([4.0, 110.0], [4.0, 100.0], 0.1).text == "10 % at level 2"
     assert gap_line([5.0, 110.0], [4.0, None], 0.25, ", against the verified bound").text == "25 % at level 1, against the verified bound"

@@ -43,8 +43,6 @@ def test_a_guarantee_lists_its_assumptions() -> None:
 
 
 def test_a_reason_that_is_named_as_its_kind_is_named_once() -> None:
-    from waybound.formulations.evidence import Reason
-
     assert Reason("fleet", "fleet", "too small").name == "fleet" and Reason("site", "mill", "too far").name == "site mill"
 
 

@@ -2,6 +2,7 @@
 
 import copy
 import json
+import os
 import random
 import re
 import time
@@ -306,8 +307,6 @@ def test_no_mutated_file_does_harm(part: int, share: Callable[[int, int], int], 
 
 @pytest.mark.parametrize("name", ["/dev/stdin", "/dev/zero", "pipe", ".", "missing", "\x1b[2J"])
 def test_a_matrix_is_read_from_a_plain_file_alone(name: str, tmp_path: Path) -> None:
-    import os
-
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "a.csv").write_text(f"# matrix: {name}\nid,x,y\n0,0,0\n1,3,4\n")
     with pytest.raises(InputError, match="matrix"):

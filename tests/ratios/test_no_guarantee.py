@@ -3,6 +3,7 @@
 import pytest
 
 from waybound import BottleneckSATA, Cardinality, SubmodularSelection, UsageError, UserFunction
+from waybound.instances.sata.sensing_graph import graph_of_edges
 from waybound.reports.ratios.judged_runs import judge, run_heuristic
 from waybound.reports.ratios.optimum import optimum
 from waybound.reports.studies.sata.families import max_min as graphs, selection as random, selection_traps as traps
@@ -67,8 +68,6 @@ def test_more_layers_are_not_better_by_themselves():
 
 
 def test_a_target_that_nobody_sees_ends_the_guarantee():
-    from waybound.instances.sata.sensing_graph import graph_of_edges
-
     graph = graph_of_edges([0, 0], [0, 1], [0, 1], robots=1, targets=3)
     found = run(BottleneckSATA(graph, fractional=True), "local")
     assert found.value == found.optimum == 0.0

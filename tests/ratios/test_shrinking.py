@@ -8,6 +8,8 @@ from draws import draws
 from hypothesis import given, note, settings, strategies as st
 from ratio_strategies import assignments, bottlenecks, selections
 
+from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
+from waybound.heuristics.heuristic import Outcome
 from waybound.reports.ratios.judged_runs import judge, run_heuristic
 from waybound.reports.ratios.optimum import optimum
 from waybound.reports.studies.sata.local import degrees
@@ -94,8 +96,6 @@ def test_lazy_greedy_has_the_value_of_greedy(problem):
 @SHORT
 @given(bottlenecks())
 def test_shares_are_worth_at_least_as_much_as_whole_actions(problem):
-    from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-
     note(instance_text(problem))
     assert optimum(problem).value >= optimum(BottleneckSATA(problem.graph)).value * (1 - 1e-9)
 
@@ -105,7 +105,6 @@ def test_a_broken_guarantee_is_shrunk_and_printed_as_a_file():
     """A heuristic that takes the first elements and claims 1/2 is caught on an instance of two elements at most."""
     from waybound.formulations.evidence import Guarantee
     from waybound.formulations.sata.selections import Selection
-    from waybound.heuristics.heuristic import Outcome
 
     seen = {}
 

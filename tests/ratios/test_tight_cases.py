@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from waybound import Cardinality, SubmodularSelection
+from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
 from waybound.reports.ratios.judged_runs import judge, ratio_of, run_heuristic
 from waybound.reports.ratios.optimum import optimum
 from waybound.reports.studies.sata.families import max_min as graphs, selection_traps as traps
@@ -119,8 +120,6 @@ def test_cycles_are_solved_exactly(n, h):
 @pytest.mark.parametrize("h", [1, 2, 5])
 @pytest.mark.parametrize("n", [2, 3, 8])
 def test_private_targets_are_solved_exactly_and_have_the_integrality_gap(n, h):
-    from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-
     problem = graphs.private_targets(n)
     assert value(problem, "local", h=h, **EXACT) == pytest.approx(1 / n, abs=1e-6)
     assert optimum(problem).value == pytest.approx(1 / n)

@@ -18,6 +18,7 @@ from waybound import Exactness, Program, Rows, Variables
 from waybound.formulations.evidence import CHECKERS, Evidence
 from waybound.formulations.forms import FORMS
 from waybound.formulations.verified_bounds import verified_bound
+from waybound.solvers.backend import Control
 from waybound.solving import explaining
 from waybound.solving.explaining import deletion_filter, explain, in_words
 
@@ -85,8 +86,6 @@ def random_row(rng, k):
 
 def test_every_row_kept_is_needed_on_random_infeasible_programs():
     """Drop any one row of the result and HiGHS finds a point; drop none and it finds none."""
-    from waybound.solvers.backend import Control
-
     rng = np.random.default_rng(8)
     explained = 0
     for _ in range(12):

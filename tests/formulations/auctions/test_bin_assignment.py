@@ -13,6 +13,7 @@ import waybound as wb
 from waybound import AssignmentInstance, InputError, UsageError
 from waybound.formulations.answers import read_answer
 from waybound.formulations.auctions.bin_assignment import BinAssignment
+from waybound.formulations.certificate import certify
 
 INF = math.inf
 
@@ -142,8 +143,6 @@ def test_neither_bound_nor_objective_is_minus_nothing() -> None:
 
 
 def test_the_digest_is_made_when_it_is_asked_for_where_nobody_can_change_the_costs() -> None:
-    from waybound.formulations.certificate import certify
-
     matrix = np.arange(6.0).reshape(2, 3)
     own, lent = BinAssignment.from_matrix(matrix), BinAssignment(AssignmentInstance(2, 3, *_csr(2, 3), matrix.ravel()))
     for problem, later in ((own, True), (lent, False)):

@@ -1,3 +1,4 @@
+import heapq
 import math
 from dataclasses import replace
 
@@ -188,8 +189,6 @@ def test_a_walk_between_stations_must_hang_together(store, best):
 
 def refuelled(problem):
     """Least makespan of a recharging problem: for each vehicle and set of sites the shortest walk, as the judge measures it."""
-    import heapq
-
     move, store = problem.travel.distances.tolist(), problem.fleet[0].energy.capacity
     stations, targets = problem.sites.depots.tolist(), problem.customers.tolist()
     homes = [v.start for v in problem.fleet for _ in range(v.count)]

@@ -24,8 +24,6 @@ def test_vehicles_that_stay_at_home_have_no_route() -> None:
 
 
 def test_sites_become_plain_numbers() -> None:
-    import numpy as np
-
     (route,) = Routes.of([np.array([4, 2], dtype=np.int32)])
     assert route.visits == (4, 2) and {type(i) for i in route.visits} == {int}
 

@@ -1,4 +1,5 @@
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -109,8 +110,6 @@ def test_a_fault_is_refused_by_its_key(problem: wb.RoutingProblem, path: str, va
 
 
 def test_sites_and_vehicles_without_numbers_are_described(problem: wb.RoutingProblem) -> None:
-    from dataclasses import replace
-
     renamed = replace(problem, fleet=(replace(problem.fleet[0], name="car"), problem.fleet[1]))
     lettered = replace(problem, sites=replace(problem.sites, ids=("a", *problem.sites.ids[1:-1], "z")))
     for changed in (renamed, lettered):

@@ -12,6 +12,7 @@ import waybound as wb
 from waybound import BottleneckSATA, Evidence, UnsupportedError
 from waybound.formulations.sata.max_min_lp import MaxMinLP, as_row_prices, as_sensing
 from waybound.formulations.verified_bounds import verified_bound
+from waybound.instances.writing import write_instance
 
 seeds = st.integers(0, 2**32 - 1)
 A, C = np.array([[1.0, 1, 0], [0, 0, 2]]), np.array([[1.0, 0, 1], [0, 3, 0]])
@@ -124,8 +125,6 @@ def test_the_frame_has_a_row_for_each_variable_in_use():
 
 
 def test_a_file_holds_the_whole_program(tmp_path):
-    from waybound.instances.writing import write_instance
-
     problem = program("min", name="small", variable_names=("a", "b", "c"))
     write_instance(problem.instance, tmp_path / "p.json")
     again = wb.read(tmp_path / "p.json")

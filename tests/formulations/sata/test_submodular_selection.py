@@ -10,6 +10,7 @@ from draws import draws
 from hypothesis import given, settings, strategies as st
 
 import waybound as wb
+from waybound.formulations.problem import problem_from_instance
 from waybound.formulations.sata.selections import Selection
 
 seeds = st.integers(0, 2**32 - 1)
@@ -189,8 +190,6 @@ def test_actions_of_a_sensing_graph_are_elements(given_settings, features, best)
     rows = np.array([row for robot in robots for row in robot], dtype=float)
     action, target = np.nonzero(rows)
     graph = wb.SensingGraph.from_edges([0, 0, 1, 1, 2, 2], action, target, rows[action, target])
-    from waybound.formulations.problem import problem_from_instance
-
     problem = problem_from_instance(graph, "selection", **given_settings)
     assert problem.features() == features
     found = [problem.evaluate(Selection(chosen)) for chosen in subsets(6)]

@@ -8,6 +8,7 @@ import pytest
 from coded import coded
 from programs import program
 from sata_cases import CASES
+from truth.routing import best_values
 
 import waybound as wb
 from waybound import BottleneckSATA, InputError, UnsupportedError, UsageError, WinnerTakesAllSATA
@@ -141,7 +142,6 @@ def test_numbers_too_large_for_64_bits_are_refused():
 
 def test_routing_programs_whose_levels_are_differences_can_be_counted():
     from small_routing import small
-    from truth.routing import best_values
 
     for convention in ("round", "exact"):
         problem = small("time-windows", 1, convention)

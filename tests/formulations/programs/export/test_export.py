@@ -13,14 +13,13 @@ from exported import PROGRAMS, arrays_of, everything, highs_value, read_back, re
 from hypothesis import HealthCheck, given, settings, strategies as st
 
 from waybound import InputError, Program, UsageError
+from waybound.formulations.programs.export import write_program
 
 
 @pytest.mark.parametrize("suffix", ["mps", "lp"])
 @pytest.mark.parametrize("names", [True, False])
 @pytest.mark.parametrize("name", PROGRAMS)
 def test_files_have_the_same_optimum(name: str, names: bool, suffix: str, tmp_path: Path) -> None:
-    from waybound.formulations.programs.export import write_program
-
     path = tmp_path / f"model.{suffix}"
     write_program(PROGRAMS[name], path, names=names)
     assert highs_value(read_back(path)) == pytest.approx(reference(PROGRAMS[name]), abs=1e-6)

@@ -1,4 +1,5 @@
 import math
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from sata_cases import best_value
 from waybound import BottleneckSATA, InputError, MaxMinLP
 from waybound.formulations.evidence import CHECKERS
 from waybound.instances.sata.sensing_graph import graph_of_edges
+from waybound.solvers.backend import BACKENDS, Control, Options
 
 KIND = "packing-covering-duals"
 ANY = st.one_of(st.floats(-10, 10), st.sampled_from([0.0, 1e-300, 1e300, 5e-324, -1e9]))
@@ -42,8 +44,6 @@ def test_any_prices_prove_a_bound_that_holds(seed, sense, data):
 @settings(max_examples=draws(100), deadline=None)
 @given(st.integers(0, 10**6), st.sampled_from(["max", "min"]))
 def test_optimal_prices_prove_the_optimum(seed, sense):
-    from waybound.solvers.backend import BACKENDS, Control, Options
-
     problem = random_problem(np.random.default_rng(seed), sense)
     made = problem.compile()
     result = BACKENDS["highs"]().run(made.program, Options(), Control())
@@ -64,8 +64,6 @@ def test_prices_are_scaled_to_the_best_bound_that_they_prove():
 
 def test_the_rounding_never_favours_the_bound():
     rng = np.random.default_rng(0)
-    from fractions import Fraction
-
     for _ in range(200):
         problem = random_problem(rng, "max")
         y, z = rng.random(problem.covering.rows), rng.random(problem.packing.rows)

@@ -18,6 +18,7 @@ from waybound.instances.sata.sensing_graph import graph_of_edges
 from waybound.instances.sata.set_functions import Coverage, FacilityLocation
 from waybound.solvers.backend import BACKENDS, Control, Options
 from waybound.solvers.bounds import BOUNDS
+from waybound.solvers.bounds.linear_relaxation import linear_relaxation_bound
 from waybound.solving.bounding import find_bounds
 
 LINEAR = ("facility-location", "strong-linearisation", "weak-linearisation")
@@ -252,8 +253,6 @@ def test_the_bound_by_linear_relaxation_takes_every_new_family():
 
 @pytest.mark.slow
 def test_the_bound_by_linear_relaxation_passes_over_forms_that_are_not_linear(monkeypatch):
-    from waybound.solvers.bounds.linear_relaxation import linear_relaxation_bound
-
     problem = cover_30(4)
     monkeypatch.setattr(type(problem), "forms", lambda self: ["product", "strong-linearisation"])
     programs = []

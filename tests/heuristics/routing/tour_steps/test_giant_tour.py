@@ -8,6 +8,7 @@ from draws import draws
 from hypothesis import given, settings, strategies as st
 
 from waybound import RoutingProblem, Sites, Travel, UsageError, VehicleType
+from waybound.formulations.routing.routes import Routes
 from waybound.formulations.stop import NEVER, Stop
 from waybound.heuristics.routing.tour_steps import giant_tour as module
 from waybound.heuristics.routing.tour_steps.giant_tour import Costs, giant_tour, guaranteed, in_rows, moving_costs
@@ -31,8 +32,6 @@ def plane(seed: int, n: int, convention: str = "exact") -> Travel:
 def test_routes_cost_the_sum_of_their_moves() -> None:
     problem = of(plane(1, 4), fixed_cost=10.0, unit_cost=2.0)
     costs = moving_costs(problem, NEVER)
-    from waybound.formulations.routing.routes import Routes
-
     value = problem.evaluate(Routes.of([[1, 3], [2]])).values[0]
     moves = [(0, 1), (1, 3), (3, 0), (0, 2), (2, 0)]
     assert math.fsum(costs.moves[i, j] for i, j in moves) == pytest.approx(value)

@@ -4,13 +4,13 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import maximum_flow
 
 from waybound.formulations.stop import NEVER, Stop
+from waybound.solvers.bounds.routing.cut_kernels import cuts_below, overloaded_sets
 
 
 @pytest.fixture(autouse=True, scope="module")
 def _kernels():
     """Compiled when they are used: not by every process that collects tests."""
     global cuts_below, overloaded_sets
-    from waybound.solvers.bounds.routing.cut_kernels import cuts_below, overloaded_sets
 
 
 def edges(capacity):
