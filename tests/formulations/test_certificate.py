@@ -152,13 +152,10 @@ def test_a_proof_of_infeasibility_survives_the_file():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"bound": 14.5}, "states the bound"),
-        ({"evidence": []}, "states the bound"),
-        ({"objective": 13.0}, "states the objective"),
-        ({"objective": [14.0, 1.0]}, "states the objective"),
-        ({"infeasible": True}, "no answer"),
+        ({"bound": 14.5}, "states the bound"), ({"evidence": []}, "states the bound"), ({"objective": 13.0}, "states the objective"),
+        ({"objective": [14.0, 1.0]}, "states the objective"), ({"infeasible": True}, "no answer"),
     ],
-)
+)  # fmt: skip
 def test_a_file_that_states_more_than_it_proves_fails(change, message):
     problem = square()
     data = written(problem, TOUR, spanning_tree_bound(problem, Stop(60.0)))

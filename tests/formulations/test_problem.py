@@ -34,11 +34,8 @@ def test_text_that_is_no_json_is_refused_with_its_first_line():
 
 
 GENERATED = {
-    "solomon": {"customers": 5},
-    "uchoa": {"customers": 6},
-    "random": {"customers": 4},
-    "sata": {"robots": 3, "targets": 8, "phi": 30},
-}
+    "solomon": {"customers": 5}, "uchoa": {"customers": 6}, "random": {"customers": 4}, "sata": {"robots": 3, "targets": 8, "phi": 30},
+}  # fmt: skip
 
 
 @pytest.mark.parametrize(
@@ -51,11 +48,8 @@ def test_every_family_is_saved_and_read_back_as_the_same_problem(kind, tmp_path)
         problem.save(tmp_path / "p.json")
         again = wb.read(tmp_path / "p.json")
         assert (again.digest(), again.problem, again.senses, again.name) == (
-            problem.digest(),
-            problem.problem,
-            problem.senses,
-            problem.name,
-        )
+            problem.digest(), problem.problem, problem.senses, problem.name,
+        )  # fmt: skip
 
 
 SET = [

@@ -218,22 +218,9 @@ def _document_mutated(text: str, rng: random.Random) -> str:
             for _ in range(rng.choice((1, 30, 60, 400))):
                 deep = [deep] if rng.random() < 0.5 else {"a": deep}
             odd = (
-                None,
-                True,
-                "",
-                "x" * 5000,
-                -1,
-                0.5,
-                10**30,
-                1e308,
-                [],
-                {},
-                [part[key]],
-                {"kind": part[key]},
-                deep,
-                list(range(3000)),
+                None, True, "", "x" * 5000, -1, 0.5, 10**30, 1e308, [], {}, [part[key]], {"kind": part[key]}, deep, list(range(3000)),
                 [[]] * 50,
-            )
+            )  # fmt: skip
             part[key] = copy.deepcopy(rng.choice(odd))
             break
         part = part[key]

@@ -157,14 +157,10 @@ def test_the_whole_log_of_a_run_says_what_was_proved_and_what_was_not() -> None:
 @pytest.mark.parametrize(
     ("value", "bound", "expected"),
     [
-        (10.0, 8.0, 0.2),
-        ([4.0, 9.0], 3.0, 0.25),
-        ([3.0, 9.0], 3.0, None),
-        (None, 3.0, None),
-        (3.0, None, None),
+        (10.0, 8.0, 0.2), ([4.0, 9.0], 3.0, 0.25), ([3.0, 9.0], 3.0, None), (None, 3.0, None), (3.0, None, None),
         ([3.0, 9.0], [3.0, None], None),
     ],
-)
+)  # fmt: skip
 def test_the_gap_on_the_way_is_that_of_an_open_first_level(value: Any, bound: Any, expected: float | None) -> None:
     assert search_log.open_gap(value, bound) == (None if expected is None else pytest.approx(expected))
 

@@ -12,13 +12,10 @@ SCALES = (2.0**-200, 2.0**-30, 2.0**-10, 1.0, 2.0**10, 2.0**30, 2.0**200)
 @pytest.mark.parametrize(
     ("values", "size"),
     [
-        ([1, 2, 30], Grain(1.0)),
-        ([5, 10, 0], Grain(5.0)),
-        ([0.1, 0.7, 12.3], Grain(1.0, 10.0)),
-        ([0.25], Grain(25.0, 100.0)),
+        ([1, 2, 30], Grain(1.0)), ([5, 10, 0], Grain(5.0)), ([0.1, 0.7, 12.3], Grain(1.0, 10.0)), ([0.25], Grain(25.0, 100.0)),
         ([1 / 3], Grain(1 / 3)),
     ],
-)
+)  # fmt: skip
 def test_the_grain_is_the_largest_number_that_divides_all(values, size):
     assert grain(values) == size
 

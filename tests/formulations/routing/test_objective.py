@@ -105,21 +105,13 @@ def test_terms_weights_and_priorities(text: str, expected: object, senses: tuple
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("total-costs", "did you mean 'total-cost'?"),
-        ("TotalCost", "did you mean 'total-cost'?"),
-        ("vehicle", "did you mean 'vehicles'?"),
-        ("distance", "choose from total-cost"),
-        ("reward-total-duration", "write blanks around - and +: reward - total-duration"),
-        ("2*", "ends without a term"),
-        ("vehicles +", "ends without a term"),
-        ("vehicles vehicles", "not expected there"),
-        ("--vehicles", "not expected there"),
-        ("vehicles * 2", "not expected there"),
-        ("2 3*vehicles", "not expected there"),
-        ("vehicles; total-cost", "not expected there"),
-        ("vehicles\x1b[31m", "not expected there"),
+        ("total-costs", "did you mean 'total-cost'?"), ("TotalCost", "did you mean 'total-cost'?"), ("vehicle", "did you mean 'vehicles'?"),
+        ("distance", "choose from total-cost"), ("reward-total-duration", "write blanks around - and +: reward - total-duration"),
+        ("2*", "ends without a term"), ("vehicles +", "ends without a term"), ("vehicles vehicles", "not expected there"),
+        ("--vehicles", "not expected there"), ("vehicles * 2", "not expected there"), ("2 3*vehicles", "not expected there"),
+        ("vehicles; total-cost", "not expected there"), ("vehicles\x1b[31m", "not expected there"),
     ],
-)
+)  # fmt: skip
 def test_what_is_wrong_is_named_on_one_line(text: str, told: str) -> None:
     with pytest.raises(wb.UsageError) as refused:
         objective_from(text)

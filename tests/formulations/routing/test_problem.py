@@ -121,13 +121,10 @@ def test_a_problem_of_a_frame_is_saved_with_its_objective_moves_and_clock(tmp_pa
 
     sites = pd.DataFrame(
         {
-            "name": ["h", "n", "e"],
-            "due": pd.to_datetime(["2026-05-04 18:00"] * 3),
-            "reward": [0, 2, 3],
-            "required": False,
+            "name": ["h", "n", "e"], "due": pd.to_datetime(["2026-05-04 18:00"] * 3), "reward": [0, 2, 3], "required": False,
             "phone": list("123"),
         }
-    )
+    )  # fmt: skip
     matrix = [[0, 1, 2], [3, 0, math.inf], [1, 1, 0]]
     problem = wb.RoutingProblem.from_frame(sites, travel=matrix, vehicles=1, time_unit="h", objective="reward then total-cost")
     problem.save(tmp_path / "p.json")

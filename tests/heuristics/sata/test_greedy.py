@@ -248,13 +248,10 @@ def slow_roots(masks):  # type: ignore[no-untyped-def]
 @pytest.mark.parametrize(
     ("heuristic", "constraint"),
     [
-        ("greedy", Cardinality(150)),
-        ("lazy-greedy", Cardinality(150)),
-        ("stochastic-greedy", Cardinality(150)),
-        ("sequential-greedy", PartitionMatroid.of(np.arange(200))),
-        ("brute-force", Cardinality(3)),
+        ("greedy", Cardinality(150)), ("lazy-greedy", Cardinality(150)), ("stochastic-greedy", Cardinality(150)),
+        ("sequential-greedy", PartitionMatroid.of(np.arange(200))), ("brute-force", Cardinality(3)),
     ],
-)
+)  # fmt: skip
 def test_a_slow_function_ends_at_the_time_limit_without_a_guarantee(heuristic: str, constraint: Cardinality | PartitionMatroid) -> None:
     n = 150 if heuristic == "brute-force" else 200
     f = UserFunction(slow_roots, n, monotone=True, submodular=True)

@@ -26,12 +26,8 @@ def test_memories_are_ordered_only_where_more_is_never_safer():
 
 def test_the_way_travelled_is_free_at_first():
     expected = [
-        0,
-        0,
-        -math.expm1(-0.1 * (math.sqrt(2) - 0.5)),
-        -math.expm1(-0.1 * (math.sqrt(2) + 0.5)),
-        -math.expm1(-0.1 * (math.sqrt(2) + 2.5)),
-    ]
+        0, 0, -math.expm1(-0.1 * (math.sqrt(2) - 0.5)), -math.expm1(-0.1 * (math.sqrt(2) + 0.5)), -math.expm1(-0.1 * (math.sqrt(2) + 2.5)),
+    ]  # fmt: skip
     assert risks(TravelledRisk(0.1, 1.5)) == pytest.approx(expected)
 
 

@@ -260,14 +260,10 @@ def test_what_would_be_misread_is_refused_with_the_cure(frame: pd.DataFrame, opt
 @pytest.mark.parametrize(
     ("columns", "given"),
     [
-        ({}, {"max_distance": 1.0}),
-        ({}, {"fleet": [{"energy": {"capacity": 1}}]}),
-        ({}, {"travel": np.full((3, 3), np.inf)}),
-        ({"due": [9.0, 0.0, 0.0]}, {}),
-        ({"demand": [0.0, 9, 9]}, {"capacity": 1}),
-        ({"skills": ["", "cold", "cold"]}, {}),
+        ({}, {"max_distance": 1.0}), ({}, {"fleet": [{"energy": {"capacity": 1}}]}), ({}, {"travel": np.full((3, 3), np.inf)}),
+        ({"due": [9.0, 0.0, 0.0]}, {}), ({"demand": [0.0, 9, 9]}, {"capacity": 1}), ({"skills": ["", "cold", "cold"]}, {}),
     ],
-)
+)  # fmt: skip
 @pytest.mark.parametrize(
     ("solver", "limits"),
     [("highs", {}), ("pyvrp", {"iterations": 20}), pytest.param("ortools", {"time_limit": 5.0}, marks=pytest.mark.slow)],

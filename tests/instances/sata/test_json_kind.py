@@ -12,15 +12,9 @@ from waybound.instances.formats.waybound_json import read, write
 from waybound.instances.sata.sensing_graph import PROBLEMS, SensingGraph, graph_of_edges
 
 SMALL = {
-    "waybound": 1,
-    "kind": "sensing",
-    "name": "small",
-    "problem": "bottleneck",
-    "robots": {"count": 2},
-    "actions": {"robot": [0, 0, 1]},
-    "targets": {"count": 2},
-    "edges": {"action": [0, 1, 2], "target": [0, 1, 1]},
-}
+    "waybound": 1, "kind": "sensing", "name": "small", "problem": "bottleneck", "robots": {"count": 2}, "actions": {"robot": [0, 0, 1]},
+    "targets": {"count": 2}, "edges": {"action": [0, 1, 2], "target": [0, 1, 1]},
+}  # fmt: skip
 
 
 def changed(path: str, value: Any) -> str:

@@ -73,15 +73,9 @@ def test_an_instance_shows_itself_in_one_line() -> None:
 
 
 SMALL = {
-    "waybound": 1,
-    "kind": "max-min",
-    "name": "small",
-    "problem": "max-min-lp",
-    "sense": "max",
-    "variables": 2,
-    "packing": {"rows": 1, "row": [0, 0], "variable": [0, 1], "value": [1, 2]},
-    "covering": {"rows": 2, "row": [1, 0], "variable": [1, 0]},
-}
+    "waybound": 1, "kind": "max-min", "name": "small", "problem": "max-min-lp", "sense": "max", "variables": 2,
+    "packing": {"rows": 1, "row": [0, 0], "variable": [0, 1], "value": [1, 2]}, "covering": {"rows": 2, "row": [1, 0], "variable": [1, 0]},
+}  # fmt: skip
 
 
 def load(**changes: Any) -> MaxMinInstance:

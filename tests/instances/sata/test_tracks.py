@@ -17,14 +17,10 @@ def mixture(*places, weight=1.0, variance=1.0):
 @pytest.mark.parametrize(
     ("ones", "others", "distance"),
     [
-        ([(0, 0)], [(3, 4)], 5.0),
-        ([(9 * k, k) for k in range(8)], [(9 * k, k) for k in range(10)], 44.721360),
-        ([(0, 0), (10, 0)], [(0, 3), (10, 4), (50, 50)], 57.807151),
-        ([], [], 0.0),
-        ([], [(1, 1)], 100.0),
-        ([(0, 0)], [(500, 0)], 100.0),
+        ([(0, 0)], [(3, 4)], 5.0), ([(9 * k, k) for k in range(8)], [(9 * k, k) for k in range(10)], 44.721360),
+        ([(0, 0), (10, 0)], [(0, 3), (10, 4), (50, 50)], 57.807151), ([], [], 0.0), ([], [(1, 1)], 100.0), ([(0, 0)], [(500, 0)], 100.0),
     ],
-)
+)  # fmt: skip
 def test_known_distances(ones, others, distance):
     assert ospa(np.array(ones, dtype=float).reshape(-1, 2), np.array(others, dtype=float).reshape(-1, 2)) == pytest.approx(
         distance, abs=1e-6

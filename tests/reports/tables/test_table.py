@@ -77,14 +77,9 @@ def shown() -> dict[str, Any]:
     problem = wb.read("demo-tiny")
     solution = wb.solve(problem, heuristic="savings", bound_time=0.5)
     return {
-        "problem": evil_problem(),
-        "solution": solution,
-        "certificate": solution.certificate,
-        "explanation": wb.explain(evil_problem()),
-        "solvers": wb.solvers(),
-        "solvers of a problem": wb.solvers(problem),
-        "heuristics": wb.heuristics(problem),
-    }
+        "problem": evil_problem(), "solution": solution, "certificate": solution.certificate, "explanation": wb.explain(evil_problem()),
+        "solvers": wb.solvers(), "solvers of a problem": wb.solvers(problem), "heuristics": wb.heuristics(problem),
+    }  # fmt: skip
 
 
 @pytest.fixture(scope="module")

@@ -42,11 +42,8 @@ def multipliers(problem, rng):
         # Near the shares that customers have in the cost, bounds are good.
         share = problem.travel.distances.max(axis=0) * scale
         data = {
-            "out": (share + 0.1 * prices[0]).tolist(),
-            "in": prices[1].tolist(),
-            "fleet": float(rng.uniform(-1, 1)),
-            "resources": resources,
-        }
+            "out": (share + 0.1 * prices[0]).tolist(), "in": prices[1].tolist(), "fleet": float(rng.uniform(-1, 1)), "resources": resources,
+        }  # fmt: skip
         yield "arc-multipliers", data
 
 

@@ -77,14 +77,8 @@ def test_levels_are_sums_raised_to_what_a_node_asks_for() -> None:
 
 
 LEVELS: tuple[Composable, ...] = (
-    TotalCost() - Reward(),
-    Makespan(),
-    LongestRoute(),
-    LatestReturn(),
-    TotalDuration(),
-    Vehicles(),
-    Penalties(),
-)
+    TotalCost() - Reward(), Makespan(), LongestRoute(), LatestReturn(), TotalDuration(), Vehicles(), Penalties(),
+)  # fmt: skip
 
 
 @pytest.mark.share(3)

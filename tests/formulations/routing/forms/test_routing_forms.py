@@ -217,14 +217,8 @@ def test_linear_relaxations_are_ordered_and_as_strong_as_published(
 
 def test_first_form_of_a_plain_problem_is_the_one_measured_best() -> None:
     assert routing(xy=SQUARE_4, count=2).forms() == [
-        "two-index-load-flow",
-        "two-index-time-flow",
-        "two-index-mtz",
-        "two-index-unit-flow",
-        "three-index",
-        "set-partitioning",
-        "circuit",
-    ]
+        "two-index-load-flow", "two-index-time-flow", "two-index-mtz", "two-index-unit-flow", "three-index", "set-partitioning", "circuit",
+    ]  # fmt: skip
 
 
 def test_forms_say_what_they_lack() -> None:

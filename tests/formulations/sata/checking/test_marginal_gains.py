@@ -102,15 +102,10 @@ def test_a_declaration_that_the_values_contradict_proves_nothing(prefix: list[in
 @pytest.mark.parametrize(
     ("data", "code"),
     [
-        ({"prefix": [0, 0]}, "unknown-name"),
-        ({"prefix": [4]}, "unknown-name"),
-        ({"prefix": [-1]}, "unknown-name"),
-        ({"prefix": [0.5]}, "malformed"),
-        ({"prefix": [True]}, "malformed"),
-        ({"prefix": "01"}, "malformed"),
-        ({}, "malformed"),
+        ({"prefix": [0, 0]}, "unknown-name"), ({"prefix": [4]}, "unknown-name"), ({"prefix": [-1]}, "unknown-name"),
+        ({"prefix": [0.5]}, "malformed"), ({"prefix": [True]}, "malformed"), ({"prefix": "01"}, "malformed"), ({}, "malformed"),
     ],
-)
+)  # fmt: skip
 def test_malformed_evidence_is_refused(data: dict[str, object], code: Code) -> None:
     with pytest.raises(InputError, check=coded(code)):
         verified_bound(cover_tight(), Evidence("marginal-gains", "test", 0.0, data))

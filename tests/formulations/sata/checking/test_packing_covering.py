@@ -113,15 +113,10 @@ def test_tiny_products_are_not_lost():
 @pytest.mark.parametrize(
     "data",
     [
-        {},
-        {"covering": [1, 1]},
-        {"covering": [1], "packing": [1, 1]},
-        {"covering": [1, 1], "packing": [1, math.nan]},
-        {"covering": [1, math.inf], "packing": [1, 1]},
-        {"covering": "11", "packing": [1, 1]},
-        {"covering": [1, True], "packing": [1, 1]},
+        {}, {"covering": [1, 1]}, {"covering": [1], "packing": [1, 1]}, {"covering": [1, 1], "packing": [1, math.nan]},
+        {"covering": [1, math.inf], "packing": [1, 1]}, {"covering": "11", "packing": [1, 1]}, {"covering": [1, True], "packing": [1, 1]},
     ],
-)
+)  # fmt: skip
 def test_malformed_prices_are_refused(data):
     with pytest.raises(InputError):
         CHECKERS[KIND](MaxMinLP(np.eye(2), np.eye(2)), data)

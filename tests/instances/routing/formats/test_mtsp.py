@@ -16,11 +16,8 @@ with_line = partial(with_line_of, GOOD)
 def test_the_first_city_is_the_depot_and_distances_are_not_rounded(read_text_as: Read) -> None:
     made = read_text_as(GOOD, "four-m2.txt")
     assert (made.name, made.format, made.problem, made.problems) == (
-        "four-m2",
-        "mtsp",
-        "min-makespan-vrp",
-        ("min-makespan-vrp", "min-cost-vrp"),
-    )
+        "four-m2", "mtsp", "min-makespan-vrp", ("min-makespan-vrp", "min-cost-vrp"),
+    )  # fmt: skip
     assert made.fleet == (VehicleType(2),)
     assert made.sites.ids == ("1", "2", "3", "4")
     assert (made.sites.depots.tolist(), made.sites.required.tolist()) == ([0], [False, True, True, True])

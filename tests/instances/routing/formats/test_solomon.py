@@ -106,15 +106,10 @@ def test_a_last_row_cut_inside_a_number_is_refused(refusal: Refusal, read_text_a
 @pytest.mark.parametrize(
     ("name", "customers", "good"),
     [
-        ("C101", 100, True),
-        ("rc208", 25, True),
-        ("R201", 50, True),
-        ("C101", 99, False),
-        ("R1_2_1", 100, False),
-        ("demo", 7, True),
+        ("C101", 100, True), ("rc208", 25, True), ("R201", 50, True), ("C101", 99, False), ("R1_2_1", 100, False), ("demo", 7, True),
         ("C101.7", 7, True),
     ],
-)
+)  # fmt: skip
 def test_a_published_name_stands_for_a_number_of_customers(
     name: str, customers: int, good: bool, refusal: Refusal, read_text_as: Read
 ) -> None:

@@ -17,11 +17,8 @@ with_line = partial(with_line_of, GOOD)
 def test_the_depot_limits_tours_whose_number_is_left_open(read_text_as: Read) -> None:
     made = read_text_as(GOOD, "pr99.txt")
     assert (made.name, made.format, made.problem, made.problems) == (
-        "pr99",
-        "toptw",
-        "team-orienteering",
-        ("team-orienteering", "orienteering"),
-    )
+        "pr99", "toptw", "team-orienteering", ("team-orienteering", "orienteering"),
+    )  # fmt: skip
     assert made.fleet == (VehicleType(1),)
     assert (made.sites.ids, made.sites.depots.tolist()) == (("0", "1", "2"), [0])
     assert made.sites.reward.tolist() == [0, 12, 8]

@@ -12,15 +12,9 @@ from waybound.instances.sata.worlds.tracking import SCENARIOS, TrackingRules, Tr
 from waybound.instances.worlds import make_world
 
 RULES = {
-    "robots": 2,
-    "targets": 3,
-    "width": 100.0,
-    "height": 60.0,
-    "robot_step": 4.0,
-    "target_step": 2.0,
-    "sensing": 10.0,
+    "robots": 2, "targets": 3, "width": 100.0, "height": 60.0, "robot_step": 4.0, "target_step": 2.0, "sensing": 10.0,
     "communication": 20.0,
-}
+}  # fmt: skip
 
 
 def world(seed=1, *, robots=None, targets=None, **changes):

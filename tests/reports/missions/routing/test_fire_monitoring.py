@@ -16,14 +16,10 @@ from waybound.reports.missions.routing.fire_monitoring import (
 STILL = {"size": 32, "begin": 30, "still": True, "hotspots": 4, "radius": 0.0}
 
 EVERY_WAY = [
-    {"policy": "weighted-greedy"},
-    {"policy": "circling"},
-    {"policy": "exact"},
-    {"heuristic": "pure-greedy"},
-    {"heuristic": "greedy-assignment"},
-    {"solver": "highs", "decide": "on-arrival"},
+    {"policy": "weighted-greedy"}, {"policy": "circling"}, {"policy": "exact"}, {"heuristic": "pure-greedy"},
+    {"heuristic": "greedy-assignment"}, {"solver": "highs", "decide": "on-arrival"},
     {"solver": "highs", "decide": "on-arrival", "alpha": 0.0},
-]
+]  # fmt: skip
 
 
 def test_scores_of_three_hotspots():

@@ -19,11 +19,8 @@ def edges(capacity):
     place = {edge: k for k, edge in enumerate(zip(tails.tolist(), heads.tolist(), strict=True))}
     twins = np.array([place[h, t] for t, h in zip(tails.tolist(), heads.tolist(), strict=True)], dtype=np.int64)
     return (
-        np.searchsorted(tails, np.arange(len(capacity) + 1)),
-        np.ascontiguousarray(heads),
-        twins,
-        capacity[tails, heads].astype(np.float64),
-    )
+        np.searchsorted(tails, np.arange(len(capacity) + 1)), np.ascontiguousarray(heads), twins, capacity[tails, heads].astype(np.float64),
+    )  # fmt: skip
 
 
 def asked(capacity, need, node, stop=NEVER):
