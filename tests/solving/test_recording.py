@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 import waybound as wb
-from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult
+from waybound.solvers.backend import RawResult
 from waybound.solving.recording import Recorder
 
 
@@ -50,22 +50,15 @@ def test_levels_of_priority_are_compared_one_after_the_other() -> None:
     assert heard[-1]["objective"] == [2.0, 450.0]
 
 
-def test_incumbents_of_several_levels_are_priced_for_who_watches(registered: Any) -> None:
+def test_incumbents_of_several_levels_are_priced_for_who_watches(says: Any) -> None:
     problem = wb.read("demo-tiny", objective="vehicles then total-cost")
     answer = wb.solve(problem, heuristic="insertion", bound_time=0.0).answer
 
-    class Publishes(Engine):
-        name, family, package, modules, summary, features = "publishes", "routing", "waybound", ("json",), "for tests", frozenset()
+    def publishes(asked: wb.Problem, options: Any, control: Any) -> RawResult:
+        control.publish(answer, None)
+        return RawResult("feasible", answer=answer)
 
-        def missing(self, problem: wb.Problem) -> frozenset[str]:
-            return frozenset()
-
-        def run(self, problem: wb.Problem, options: Options, control: Control) -> RawResult:
-            control.publish(answer, None)
-            return RawResult("feasible", answer=answer)
-
-    registered(BACKENDS, "publishes", Publishes)
-    events = wb.solve(problem, "publishes", bound_time=0.0).events
+    events = wb.solve(problem, says(publishes, family="routing", features=problem.features()), bound_time=0.0).events
     assert ("solve", problem.evaluate(answer).values) in [(e.phase, e.objective) for e in events]
 
 
