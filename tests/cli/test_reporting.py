@@ -1,5 +1,8 @@
 """``waybound ratio`` and ``waybound report``."""
 
+import itertools
+import signal
+
 import pytest
 
 import waybound as wb
@@ -108,28 +111,26 @@ def test_without_a_folder_the_instances_are_written_where_one_stands(run, bad_st
     assert list(tmp_path.glob("violation-idle-*.json"))
 
 
-def test_an_interrupt_shows_what_was_done_and_says_so(run, monkeypatch):
-    honest, calls = guarantees.measure, []
+@pytest.fixture
+def interrupt(monkeypatch):
+    """``interrupt(MODULE, name, number)``: Ctrl-C at the call of that number of a function."""
 
-    def measure(*given):
-        calls.append(given)
-        if len(calls) == 4:
-            raise KeyboardInterrupt
-        return honest(*given)
+    def make(module, name, number):
+        honest, calls = getattr(module, name), itertools.count(1)
+        monkeypatch.setattr(module, name, lambda *given: honest(*given) if next(calls) < number else signal.default_int_handler(2, None))
 
-    monkeypatch.setattr(guarantees, "measure", measure)
+    return make
+
+
+def test_an_interrupt_shows_what_was_done_and_says_so(run, interrupt):
+    interrupt(guarantees, "measure", 4)
     told = run("ratio", "greedy-partition", "--instances", 600, "-q", code=0)
-    assert "interrupted: 3 of" in told.stderr
-    assert "coverage" in told.stdout
+    assert "interrupted: 3 of" in told.stderr and "coverage" in told.stdout
 
 
-def test_an_interrupt_before_anything_was_done_ends_with_130(run, monkeypatch):
-    def measure(*given):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(guarantees, "measure", measure)
-    told = run("ratio", "greedy-partition", "-q")
-    assert told.exit_code == 130
+def test_an_interrupt_before_anything_was_done_ends_with_130(run, interrupt):
+    interrupt(guarantees, "measure", 1)
+    assert run("ratio", "greedy-partition", "-q").exit_code == 130
 
 
 @pytest.mark.long
@@ -195,16 +196,8 @@ def test_a_value_that_is_not_the_published_one_ends_with_5(run, monkeypatch):
     assert "risk of choice 1" in run("report", "worked-example", "-q", code=5).stderr
 
 
-def test_an_interrupted_report_shows_and_writes_what_was_done(run, monkeypatch, tmp_path):
-    honest, calls = reward_stages.stages, []
-
-    def stages(*given):
-        calls.append(given)
-        if len(calls) == 4:
-            raise KeyboardInterrupt
-        return honest(*given)
-
-    monkeypatch.setattr(reward_stages, "stages", stages)
+def test_an_interrupted_report_shows_and_writes_what_was_done(run, interrupt, tmp_path):
+    interrupt(reward_stages, "stages", 4)
     told = run("report", "reward-stages", "--out", tmp_path / "page.html", "-q", code=0)
     assert "interrupted: 3 of 16 parts" in told.stderr and "share" in told.stdout
     assert "interrupted: 3 of 16 parts" in (tmp_path / "page.html").read_text()
