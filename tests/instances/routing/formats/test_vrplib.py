@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from file_cases import Change, Differences, Read, Refusal, check_fault, check_refused, check_unwritable, refused, tsplib
+from file_cases import Differences, Read, Refusal, check_fault, check_refused, refused, tsplib, unwritable
 from file_texts import OP, VRPSPD
 
 from waybound import InputError, Shipment, UsageError, VehicleType
@@ -444,15 +444,12 @@ def test_a_written_name_does_not_limit_the_fleet_by_accident(read_text_as: Read)
     assert written(made).fleet[0].count == 2
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (lambda i: replace(i, travel=i.travel.with_convention("exact")), "its convention is exact"),
-        (lambda i: replace(i, sites=replace(i.sites, ids=("a", "b", "c", "d"))), "nodes must be numbered"),
-        (lambda i: replace(i, fleet=(VehicleType(None, math.inf),)), "needs a capacity"),
-        (lambda i: replace(i, fleet=(VehicleType(None, 10.0, fixed_cost=5.0),)), "no place for fixed-cost"),
-        (lambda i: replace(i, name="a\nb"), "its name is no single line"),
-    ],
+test_what_the_format_cannot_express_is_refused = unwritable(
+    write,
+    CVRP,
+    (lambda i: replace(i, travel=i.travel.with_convention("exact")), "its convention is exact"),
+    (lambda i: replace(i, sites=replace(i.sites, ids=("a", "b", "c", "d"))), "nodes must be numbered"),
+    (lambda i: replace(i, fleet=(VehicleType(None, math.inf),)), "needs a capacity"),
+    (lambda i: replace(i, fleet=(VehicleType(None, 10.0, fixed_cost=5.0),)), "no place for fixed-cost"),
+    (lambda i: replace(i, name="a\nb"), "its name is no single line"),
 )
-def test_what_the_format_cannot_express_is_refused(change: Change, message: str, read_text_as: Read) -> None:
-    check_unwritable(write, change(read_text_as(CVRP)), message)
