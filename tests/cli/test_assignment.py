@@ -68,8 +68,7 @@ def test_answers_other_than_routes_are_json_alone(refused, tmp_path, suffix):
 def test_an_answer_that_breaks_a_rule_is_found_out(run, tmp_path):
     path = tmp_path / "a.json"
     path.write_text(json.dumps({"kind": "assignment", "actions": [{"action": "p1"}, {"action": "p2"}]}))
-    result = run("check", "figure-3-3", path, code=5)
-    assert "robot r1 takes 2 actions" in result.stdout
+    assert "robot r1 takes 2 actions" in run("check", "figure-3-3", path, code=5).stdout
 
 
 @pytest.mark.parametrize("problem", SENSING)
@@ -172,8 +171,7 @@ def test_a_bad_edge_list_is_one_line_with_its_place(refused, tmp_path, rows, lin
 def test_bound_and_explain_take_them(run, arguments):
     bounded = run("bound", *arguments, "--bound-time", "60", "-q", code=0)
     assert "verified" in bounded.stdout
-    explained = run("explain", *arguments, code=0)
-    assert "there is a solution" in explained.stdout
+    assert "there is a solution" in run("explain", *arguments, code=0).stdout
 
 
 @pytest.mark.parametrize("problem", SENSING)
@@ -183,8 +181,7 @@ def test_a_plot_is_written(run, tmp_path, problem):
 
 
 def test_a_program_of_a_sensing_graph_is_exported(run, tmp_path):
-    result = run("export", "figure-3-3", "--to", tmp_path / "a.mps", code=0)
-    assert "variables" in result.stdout
+    assert "variables" in run("export", "figure-3-3", "--to", tmp_path / "a.mps", code=0).stdout
 
 
 def test_small_cases_are_listed_with_their_source(json_of):

@@ -56,13 +56,11 @@ def test_a_solver_that_is_not_installed_cannot_be_used_and_says_how_to_get_it(re
 
 
 def test_with_a_file_solvers_say_whether_they_take_it(json_of):
-    listed = json_of("solvers", "demo-tiny")["solvers"]
-    assert any(not s["missing"] for s in listed)
+    assert any(not s["missing"] for s in json_of("solvers", "demo-tiny")["solvers"])
 
 
 def test_heuristics_say_what_they_guarantee(json_of, run):
-    listed = json_of("heuristics")["heuristics"]
-    assert all(h["guarantee"] for h in listed)
+    assert all(h["guarantee"] for h in json_of("heuristics")["heuristics"])
     assert "guarantee" in run("heuristics", "demo-tiny").stdout
 
 
@@ -87,8 +85,7 @@ def test_what_applies_comes_first_and_the_rest_is_a_count(run, json_of, command)
 
 
 def test_bundled_instances_are_listed_shown_and_found(json_of, run):
-    listed = json_of("instances", "list")
-    names = [entry["name"] for entry in listed["bundled"]]
+    names = [entry["name"] for entry in json_of("instances", "list")["bundled"]]
     assert "demo-c25" in names
     assert "demo-c25" in run("instances", "list").stdout
     assert wb.read(run("instances", "path", "demo-c25").stdout.strip()).digest() == wb.read("demo-c25").digest()

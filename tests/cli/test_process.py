@@ -134,8 +134,7 @@ def test_an_answer_is_written_whenever_the_signal_comes(number, body, more, tmp_
     assert time.perf_counter() - began < HANG
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["certificate"]["feasible"]
-    problem = wb.read("demo-tiny")
-    assert wb.check(problem, tmp_path / "a.json", tmp_path / "c.json").feasible
+    assert wb.check(wb.read("demo-tiny"), tmp_path / "a.json", tmp_path / "c.json").feasible
 
 
 FINDING = """

@@ -87,8 +87,7 @@ def test_table_3_1_ends_well(run):
 def test_table_3_1_ends_with_5_when_an_entry_differs(run, monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setitem(local.PRINTED, 10, (0.5, 0.5, 0.7592, 0.2409, 0.2409, 0.7591))
-    told = run("ratio", "table-3-1", "-q", code=5)
-    assert "p3" in told.stderr
+    assert "p3" in run("ratio", "table-3-1", "-q", code=5).stderr
 
 
 def test_a_broken_guarantee_ends_with_5_and_its_instance_is_in_a_file(run, bad_study, tmp_path, strict_json):

@@ -198,8 +198,7 @@ def test_a_program_solver_that_lies_about_its_objective_is_exit_5_with_both_numb
     honest = Highs.run
 
     def lie(self, program, options, control):
-        result = honest(self, program, options, control)
-        return dataclasses.replace(result, objective=1.0, bound=1.0)
+        return dataclasses.replace(honest(self, program, options, control), objective=1.0, bound=1.0)
 
     monkeypatch.setattr(Highs, "run", lie)
     best = wb.solve(wb.read("demo-tiny"), "pyvrp", iterations=300, bound_time=0)
@@ -359,8 +358,7 @@ def test_who_solves_no_linear_programs_is_refused(refused, name, says):
     "arguments", [("solve",), ("solve", "demo-tiny", "--no-such-option"), ("solve", "demo-tiny", "--seed", "x"), ("fly",)]
 )
 def test_what_the_command_line_itself_refuses_is_exit_2(run, arguments):
-    result = run(*arguments, code=2)
-    assert result.stdout == ""
+    assert run(*arguments, code=2).stdout == ""
 
 
 @pytest.mark.long

@@ -271,5 +271,4 @@ def test_of_several_levels_the_text_says_of_which_one_gap_and_ratio_are():
     assert gap_line([5.0, 110.0], [4.0, None], 0.25, ", against the verified bound").text == "25 % at level 1, against the verified bound"
     problem = wb.read("demo-tiny", objective="vehicles then total-cost")
     solution = wb.solve(problem, heuristic="insertion", bound_time=0)
-    told = str(replace(solution.certificate, observed_ratio=1.0))
-    assert "at most 1 at level 1, observed" in told
+    assert "at most 1 at level 1, observed" in str(replace(solution.certificate, observed_ratio=1.0))

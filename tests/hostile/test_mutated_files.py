@@ -238,8 +238,7 @@ def read(kind: str, base: str, path: Path) -> None:
         return
     problem = problems()[base]
     if kind == "solution":
-        found = read_answer(problem, path)
-        made = certify(problem, problem.evaluate(found.answer))
+        made = certify(problem, problem.evaluate(read_answer(problem, path).answer))
     else:
         made = check_certificate(problem, read_certificate(path), problem.evaluate(an_answer(problem)))
     lines = certificate_lines(made)

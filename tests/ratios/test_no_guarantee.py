@@ -75,8 +75,7 @@ def test_a_target_that_nobody_sees_ends_the_guarantee():
 
 @pytest.mark.parametrize("name", ["greedy", "lazy-greedy", "stochastic-greedy"])
 def test_a_function_that_is_not_declared_submodular_gets_no_guarantee(name):
-    f = UserFunction(lambda masks: masks.sum(axis=1) ** 2.0, 5)
-    run(SubmodularSelection(f, Cardinality(2)), name)
+    run(SubmodularSelection(UserFunction(lambda masks: masks.sum(axis=1) ** 2.0, 5), Cardinality(2)), name)
 
 
 @pytest.mark.parametrize("name", ["greedy", "lazy-greedy", "stochastic-greedy"])

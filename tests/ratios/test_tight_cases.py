@@ -79,8 +79,7 @@ def test_the_best_element_mends_what_density_alone_gets_arbitrarily_wrong(m):
 
 def test_neither_greedy_nor_the_best_element_passes_the_bound_of_shut_outs():
     problem = traps._shut_out(3, 60).problem
-    found = value(problem, "knapsack-greedy", enumerate=0)
-    assert found == pytest.approx(1 - math.exp(-2 / 3), abs=0.01)
+    assert value(problem, "knapsack-greedy", enumerate=0) == pytest.approx(1 - math.exp(-2 / 3), abs=0.01)
     assert value(problem, "knapsack-greedy", enumerate=1) == pytest.approx(1.0, abs=1e-3)
 
 

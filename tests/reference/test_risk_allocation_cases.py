@@ -145,8 +145,7 @@ def test_the_quantile_of_equal_risks(many: int, quantile: float) -> None:
 @pytest.mark.parametrize(("many", "quantile"), [(4, 2.2340), (10, 2.5679), (100, 3.2834)])
 def test_the_quantile_of_equal_independent_risks(many: int, quantile: float) -> None:
     """Where the risks of independent noise multiply out to the total, each is 1 - (1 - total)^(1/N)."""
-    found = any_fails(np.full(many, quantile), np.eye(many))
-    assert found.value == pytest.approx(0.05, abs=2e-5 * many)
+    assert any_fails(np.full(many, quantile), np.eye(many)).value == pytest.approx(0.05, abs=2e-5 * many)
 
 
 @pytest.mark.share(2)

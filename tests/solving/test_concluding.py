@@ -59,8 +59,7 @@ def test_a_broken_claim_costs_neither_an_earlier_incumbent_nor_the_start(square:
 def test_the_better_of_start_and_answer_is_returned(square: RoutingProblem, engine_that: Any) -> None:
     worse = Routes.of([[1, 3], [2, 4]])
     engine = engine_that(lambda p, o, c: RawResult("feasible", answer=worse))
-    solution = solve(square, engine, start=Routes.of([[1, 2], [3, 4]]), bound_time=0)
-    assert solution.objective == 24.0
+    assert solve(square, engine, start=Routes.of([[1, 2], [3, 4]]), bound_time=0).objective == 24.0
 
 
 def test_bounds_are_verified_and_can_prove_optimality(square: RoutingProblem, engine_that: Any) -> None:

@@ -177,8 +177,7 @@ def test_risks_that_no_allocation_keeps_are_named(changes, told):
 
 
 def test_risks_around_an_obstacle_are_told_side_by_side():
-    problem = risk_problems.around_a_box(lower=-0.5, upper=0.5)
-    made = explain(problem)
+    made = explain(risk_problems.around_a_box(lower=-0.5, upper=0.5))
     assert (made.verdict, made.evidence.kind) == ("infeasible", "branching-tree")
     assert re.fullmatch(
         r"if alternative \d of box is the safest: every decision gives chance constraint box a risk above 0.05, .*", made.proof[0]

@@ -182,8 +182,7 @@ def test_a_heuristic_runs_in_a_process_of_its_own_with_the_same_answer_and_guara
 
 
 def test_a_search_ends_without_improvement() -> None:
-    problem = wb.read("demo-c25")
-    found = wb.solve(problem, "pyvrp", no_improvement=40, time_limit=60, bound_time=0)
+    found = wb.solve(wb.read("demo-c25"), "pyvrp", no_improvement=40, time_limit=60, bound_time=0)
     assert found.limit in ("iterations", "none")
     assert found.seconds["solve"] < 30
 

@@ -33,8 +33,7 @@ def test_only_better_answers_and_bounds_are_events(problem: wb.Problem) -> None:
 
 
 def test_where_more_is_better_larger_answers_and_smaller_bounds_are_news() -> None:
-    graph = wb.SensingGraph.from_edges([0], [0], [0], 1.0)
-    record = Recorder(wb.WinnerTakesAllSATA(graph).senses)
+    record = Recorder(wb.WinnerTakesAllSATA(wb.SensingGraph.from_edges([0], [0], [0], 1.0)).senses)
     search = record.of_search("engine")
     for value, bound in ((1.0, 9.0), (0.5, 10.0), (2.0, 8.0)):
         search({"objective": value, "bound": bound})

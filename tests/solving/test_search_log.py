@@ -116,8 +116,7 @@ def test_a_reader_who_is_gone_ends_nothing() -> None:
     def gone(line: str) -> None:
         raise BrokenPipeError
 
-    log = SearchLog(gone)
-    log(told(1.0, None, None, "pyvrp"))
+    SearchLog(gone)(told(1.0, None, None, "pyvrp"))
 
 
 def test_names_out_of_files_forge_no_lines(clock: Any) -> None:

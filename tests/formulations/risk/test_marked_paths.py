@@ -92,8 +92,7 @@ def test_what_cannot_be_decided_is_refused(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_a_search_for_any_risk_ends_when_it_shall() -> None:
-    problem = cases.two_ways()
-    assert marked_paths.risky_path(problem) == (0, 1)
+    assert marked_paths.risky_path(cases.two_ways()) == (0, 1)
     with pytest.raises(CutShortError, match="iterations"):
         marked_paths.risky_path(cases.mud(objective="risk"), most=0)
     stop = Stop()

@@ -86,8 +86,7 @@ def test_a_detour_makes_a_site_reachable_where_the_triangle_inequality_fails() -
 
 
 def test_a_route_of_exactly_its_limit_is_reachable() -> None:
-    matrix = np.array([[0, 0.1], [0.2, 0]])
-    assert unreachable(routing(matrix=matrix, max_distance=0.3)) == {}
+    assert unreachable(routing(matrix=np.array([[0, 0.1], [0.2, 0]]), max_distance=0.3)) == {}
     assert unreachable(routing(xy=SQUARE_4, max_distance=10.0)) == {}
 
 
@@ -211,8 +210,7 @@ def test_sites_out_of_reach_of_vehicles_that_stop_on_the_way_are_named(vehicle: 
     sites = {"depot": [True, True, False, False, False], "demand": [0, 0, 5, 3, 2]}
     problem = routing(xy=LINE, sites=sites, count=3, **vehicle)
     assert unreachable(problem) == reason
-    evidence = infeasible_site_evidence(problem)
-    assert (evidence is None) == (not reason)
+    assert (infeasible_site_evidence(problem) is None) == (not reason)
 
 
 @pytest.mark.parametrize("feature", ["reloads", "recharging"])

@@ -78,8 +78,7 @@ def test_stops_at_depots_on_the_way_have_no_place() -> None:
 def test_one_type_of_vehicle_drives_all_routes() -> None:
     problem: Any = wb.read("demo-tiny")
     answer = wb.Routes.of([[1, 2], [3]])
-    again = routes_from_vroom(problem, json.loads(problem.answer_to_text(answer, ".vroom")))
-    assert again == answer
+    assert routes_from_vroom(problem, json.loads(problem.answer_to_text(answer, ".vroom"))) == answer
     check_answer_path(problem, "plan.vroom")
 
 

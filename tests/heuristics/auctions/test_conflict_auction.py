@@ -117,8 +117,7 @@ def test_pairs_are_put_in_order_block_by_block(monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_pairs_that_it_leaves_out_are_made_and_said() -> None:
-    problem = BinAssignment.from_matrix([[1.0, 9.0], [2.0, math.inf]])
-    found = run(problem)
+    found = run(BinAssignment.from_matrix([[1.0, 9.0], [2.0, math.inf]]))
     assert found.answer == (1, 0) and found.statistics["changed"] == 2 and "other bins for 2 robots" in found.message
 
 

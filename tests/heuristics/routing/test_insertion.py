@@ -48,13 +48,11 @@ def test_with_a_weight_on_delays_the_place_of_the_least_delay_is_taken() -> None
 @pytest.mark.parametrize("seeds", ["farthest", "earliest-due"])
 def test_a_solomon_file_is_served_within_its_fleet(seeds: str) -> None:
     problem = wb.read("demo-rc50")
-    judged = problem.evaluate(run_heuristic(problem, "insertion", {"seeds": seeds}, 1).answer)
-    assert judged.feasible
+    assert problem.evaluate(run_heuristic(problem, "insertion", {"seeds": seeds}, 1).answer).feasible
 
 
 def test_the_best_of_all_settings_is_kept_under_the_objective() -> None:
-    problem = wb.read("demo-rc50")
-    fewest = replace(problem, objective=Vehicles().then(TotalCost()))
+    fewest = replace(wb.read("demo-rc50"), objective=Vehicles().then(TotalCost()))
     runs = [
         fewest.evaluate(run_heuristic(fewest, "insertion", {"lamda": lamda, "alpha1": a, "seeds": s}, 1).answer).values
         for lamda in (1, 2) for a in (0, 1) for s in ("farthest", "earliest-due")

@@ -67,8 +67,7 @@ def test_one_way_distances_have_no_guarantee() -> None:
 
 
 def test_customers_without_demand_are_on_one_route_where_a_vehicle_carries_nothing() -> None:
-    problem = loaded([0, 1, 0, 2], 0.5)
-    found = run_heuristic(problem, "tour-partitioning", {}, 1)
+    found = run_heuristic(loaded([0, 1, 0, 2], 0.5), "tour-partitioning", {}, 1)
     assert sorted(sorted(route.visits) for route in found.answer) == [[1, 3], [2], [4]] and found.guarantee is None
 
 

@@ -254,8 +254,7 @@ def slow_roots(masks):  # type: ignore[no-untyped-def]
 )  # fmt: skip
 def test_a_slow_function_ends_at_the_time_limit_without_a_guarantee(heuristic: str, constraint: Cardinality | PartitionMatroid) -> None:
     n = 150 if heuristic == "brute-force" else 200
-    f = UserFunction(slow_roots, n, monotone=True, submodular=True)
-    problem = SubmodularSelection(f, constraint)
+    problem = SubmodularSelection(UserFunction(slow_roots, n, monotone=True, submodular=True), constraint)
     outcome = HEURISTICS[heuristic].run(problem, context(seconds=0.05))
     assert problem.evaluate(outcome.answer).feasible
     assert outcome.guarantee is None

@@ -143,8 +143,7 @@ def test_a_program_of_one_packing_row_a_variable_is_solved_as_one_of_robots() ->
     case = shares_of("S1w")
     scale = np.array([2.0, 0.5, 4.0, 1.0, 3.0, 0.25])
     a, c = matrices_of(case.graph)
-    problem = MaxMinLP(a * scale, c * scale)
-    solution = solve(problem, heuristic="local", h=5)
+    solution = solve(MaxMinLP(a * scale, c * scale), heuristic="local", h=5)
     assert solution.objective == pytest.approx(case.evaluate(run(case, h=5).answer).values[0], rel=1e-12)
     assert solution.certificate.guarantee is not None
     assert solution.certificate.bound == pytest.approx(30 / 7, rel=1e-6)

@@ -68,8 +68,7 @@ def test_no_order_falls_below_half_of_the_optimum(seed: int, kind: str, whole: b
 
 
 def test_each_action_of_a_robot_is_evaluated_once() -> None:
-    problem = winner_takes_all(*S10)
-    outcome = run("sequential-greedy", problem)
+    outcome = run("sequential-greedy", winner_takes_all(*S10))
     assert outcome.statistics["evaluations"] == 6
     assert outcome.statistics["communication_rounds"] == 3
 

@@ -17,8 +17,7 @@ SMALL = {"robots": 3, "targets": 4, "width": 60.0, "height": 60.0}
 def film():
     mission = Tracking()
     made = Film(mission)
-    log = run(mission, steps=4, seed=2, policy="force-vector", watch=made, **SMALL)
-    return made, log
+    return made, run(mission, steps=4, seed=2, policy="force-vector", watch=made, **SMALL)
 
 
 def test_a_film_holds_the_start_and_every_step(film):
@@ -44,14 +43,12 @@ def test_a_gif_has_one_frame_a_step(film, tmp_path):
 
 def test_a_page_holds_all_frames_and_needs_no_other_file(film, tmp_path):
     film[0].save(tmp_path / "film.html")
-    text = (tmp_path / "film.html").read_text()
-    assert text.count("data:image/png;base64") == 5
+    assert (tmp_path / "film.html").read_text().count("data:image/png;base64") == 5
     assert [path.name for path in tmp_path.iterdir()] == ["film.html"]
 
 
 def test_a_frame_is_drawn_where_things_are(film, tmp_path):
-    made = film[0]
-    made.save_frame(4, tmp_path / "frame.png")
+    film[0].save_frame(4, tmp_path / "frame.png")
     from PIL import Image
 
     pixels = np.asarray(Image.open(io.BytesIO((tmp_path / "frame.png").read_bytes())).convert("RGB")).astype(int)

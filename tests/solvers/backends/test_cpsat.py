@@ -104,8 +104,7 @@ def test_one_thread_repeats_to_the_bit():
 
 
 def test_the_least_of_sums_is_counted_in_steps_of_the_weights():
-    problem = BottleneckSATA(CASES["S4a"].graph)
-    result = run(problem.compile().program)
+    result = run(BottleneckSATA(CASES["S4a"].graph).compile().program)
     assert result.objective == pytest.approx(1.0)
     assert result.statistics["scale"]["exact"]
 

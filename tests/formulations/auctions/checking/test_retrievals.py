@@ -24,8 +24,7 @@ def test_steps_shared_by_robots_and_the_earliest_of_each_bin():
 
 
 def test_a_robot_that_is_busy_for_long_shares_nothing():
-    problem = retrievals(((0, 2), (1, 1), (0, 4)), (0, 0, 0))
-    jobs = problem.jobs
+    jobs = retrievals(((0, 2), (1, 1), (0, 4)), (0, 0, 0)).jobs
     busy = OrchardJobs(jobs.grid, jobs.robot_cells, np.array([0, 100]), jobs.bin_cells, jobs.after, jobs.standing, jobs.work)
     assert check(OrchardDay(busy), {}) == 12.0
     some = OrchardJobs(jobs.grid, jobs.robot_cells, np.array([0, 4]), jobs.bin_cells, jobs.after, jobs.standing, jobs.work)

@@ -321,8 +321,7 @@ def test_a_route_is_charged_as_stated_and_rejected_just_below(charge: str, fits:
 
 @pytest.mark.parametrize("form", EVERY_FORM)
 def test_fractional_points_and_infeasible_starts_are_refused(form: str) -> None:
-    problem = routing(xy=SQUARE_4, count=2, max_distance=14.0)
-    made = problem.compile(form)
+    made = routing(xy=SQUARE_4, count=2, max_distance=14.0).compile(form)
     program = made.program
     with pytest.raises(InputError, match="fractional"):
         made.decode(np.full(program.num_variables, 0.5))

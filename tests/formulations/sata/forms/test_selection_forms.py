@@ -106,8 +106,7 @@ def test_duals_of_an_interior_point_without_crossover_prove_nothing_false():
     for problem in random_problems(40, seed=9):
         for form in LINEAR:
             compiled = problem.compile(form, relax=True)
-            program = compiled.program
-            duals = solved(program, solver="ipm", run_crossover="off").row_duals
+            duals = solved(compiled.program, solver="ipm", run_crossover="off").row_duals
             if duals is not None:
                 assert compiled.dual_evidence(duals).value >= optimum(problem) - 1e-9
 

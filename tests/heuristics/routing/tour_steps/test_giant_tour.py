@@ -21,8 +21,7 @@ def of(travel: Travel, service: float = 0.0, **vehicle: float) -> RoutingProblem
 
 
 def costs_of(travel: Travel, **given: float) -> Costs:
-    made = moving_costs(of(travel, **given), NEVER)
-    return made
+    return moving_costs(of(travel, **given), NEVER)
 
 
 def plane(seed: int, n: int, convention: str = "exact") -> Travel:
@@ -58,8 +57,7 @@ def test_what_is_metric_by_nature(travel: Travel, known: bool) -> None:
 
 
 def test_one_way_moves_are_told_from_symmetric_ones() -> None:
-    matrix = np.array([[0.0, 1, 2], [3, 0, 4], [2, 4, 0]])
-    costs = costs_of(Travel(EXPLICIT, matrix=matrix))
+    costs = costs_of(Travel(EXPLICIT, matrix=np.array([[0.0, 1, 2], [3, 0, 4], [2, 4, 0]])))
     assert not costs.symmetric and costs.both_ways[0, 1] == 2.0
     found = giant_tour(costs, "christofides", True, NEVER)
     assert found.ratio is None and "not symmetric" in found.message

@@ -149,8 +149,7 @@ def test_nothing_to_do_is_refused(refusal: Refusal) -> None:
 
 
 def test_what_is_read_is_written_again(good: Any, differences: Differences) -> None:
-    again = read(write(good), Path("delivery.json"))
-    assert differences(good, again) == []
+    assert differences(good, read(write(good), Path("delivery.json"))) == []
 
 
 def test_what_every_site_asks_for_is_written_too(read_text_as: Read) -> None:

@@ -12,8 +12,7 @@ def played(how=None, **settings):
     mission = FleetEnergy()
     supported = []
     watch = lambda world, row: supported.append(sum(world.jobs[k].end == NEVER for k in mission.taken))  # noqa: E731
-    log = wb.run(mission, watch=watch, **(how or {"policy": "one-by-one"}), **settings)
-    return log, supported, mission
+    return wb.run(mission, watch=watch, **(how or {"policy": "one-by-one"}), **settings), supported, mission
 
 
 def test_jobs_for_ever_are_as_many_as_the_fleet_sustains():

@@ -96,8 +96,7 @@ def test_routes_keep_to_walls_and_batteries():
     floor[2, 2] = False
     corner, across = 6, 18
     problem = sharing(floor.ravel(), 5, [across], [2.0], [(corner, corner, 8)], 0.1, "ring")
-    solution = wb.solve(problem, solver="highs")
-    assert solution.objective == pytest.approx(2.0 - 0.8)
+    assert wb.solve(problem, solver="highs").objective == pytest.approx(2.0 - 0.8)
     short = sharing(floor.ravel(), 5, [across], [2.0], [(corner, corner, 7)], 0.1, "ring")
     assert wb.solve(short, solver="highs").objective == pytest.approx(0.0)
 

@@ -106,8 +106,7 @@ def test_planes_lead_to_the_few_positions_that_keep_it() -> None:
 @pytest.mark.parametrize("total", [1e-6, 1e-3])
 def test_a_generated_plan_keeps_its_risk_by_an_independent_sampler(total: float) -> None:
     p = wb.generate("risk-allocation", family="auv", total=total, risk="joint")
-    solution = solve(p, time_limit=5, bound_time=1)
-    slack, s = p.limits - p.chance @ solution.answer.decision, p.covariance
+    slack, s = p.limits - p.chance @ solve(p, time_limit=5, bound_time=1).answer.decision, p.covariance
     deviation, rng, many = np.sqrt(np.diag(s)), np.random.default_rng(77), 400_000
     tails = norm.sf(slack / deviation)
     row = rng.choice(len(tails), many, p=tails / tails.sum())

@@ -84,8 +84,7 @@ def test_all_pairs_are_counted_only_where_they_are_near(kind: str) -> None:
 
 def test_bad_prices_to_begin_with_are_repaired_where_columns_are_left_over() -> None:
     """One robot, bins at 5 and 3 whose prices begin at 0 and 10: without repair it takes the first, 2 above the optimum."""
-    problem = BinAssignment.from_matrix([[5.0, 3.0]])
-    (part,) = sides(problem)
+    (part,) = sides(BinAssignment.from_matrix([[5.0, 3.0]]))
     cost, unit, _ = auctions.whole_costs(part, 40, finest=True)
     price, owner = np.array([0, round(10 * unit)]), np.full(2, -1)
     epsilon, counts = round(0.1 * unit), np.zeros(2, np.int64)
