@@ -105,6 +105,14 @@ OCTO_8 = np.array([(0, 0), (2, 7), (5, 3), (8, 8), (-4, 6), (-7, 1), (-3, -5), (
 ASYM_5 = np.array(
     [[0, 4, 7, 3, 6, 5], [5, 0, 2, 6, 4, 8], [6, 3, 0, 5, 2, 7], [3, 5, 4, 0, 7, 2], [7, 4, 3, 6, 0, 3], [4, 9, 6, 2, 3, 0]], dtype=float
 )
+MIN_COST = [
+    ("SQUARE-4", 4, 10.0, 30.0), ("SQUARE-4", 2, 12.0, 24.0), ("SQUARE-4", 2, 14.0, 20.0), ("SQUARE-4", 1, 18.0, 18.0),
+    ("SQUARE-4", 4, 9.99, None), ("SQUARE-4", 2, 11.9, None), ("SQUARE-4", 2, math.inf, 18.0),
+    ("GAP-5", 1, 28.0, 28.0), ("GAP-5", 1, 27.9, None), ("GAP-5", 2, 26.0, 36.0), ("GAP-5", 2, 20.0, 36.0),
+    ("ASYM-5", 1, math.inf, 16.0), ("ASYM-5", 1, 16.0, 16.0), ("ASYM-5", 2, 14.0, 26.0), ("ASYM-5", 3, 14.0, 26.0),
+    ("ASYM-5", 5, 13.0, 31.0), ("ASYM-5", 5, 12.0, None),
+]  # fmt: skip
+"""Instance, vehicles, the longest route that is allowed, and the least cost."""
 TW_4 = {"ready": [0, 0, 0, 10, 0], "due": [math.inf, 20, 6, 12, 4]}
 
 

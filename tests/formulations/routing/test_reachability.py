@@ -16,19 +16,12 @@ from waybound.formulations.routing.reachability import minimum_vehicles, servabl
 from waybound.formulations.verified_bounds import verified_bound
 from waybound.solvers.bounds.routing.infeasibility import infeasible_site_evidence
 
-DRAWN = settings(max_examples=draws(150), deadline=None, suppress_health_check=[HealthCheck.too_slow])
+DRAWN = settings(max_examples=draws(200), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 
 @DRAWN
-@given(problem=small_problems(most=3))
+@given(problem=small_problems(most=3) | small_problems(most=3, hetero=True))
 def test_no_feasible_route_visits_a_site_called_unreachable(problem: RoutingProblem) -> None:
-    visited = {site for vehicle in problem.fleet for visits in routes(problem, vehicle) for site in visits}
-    assert not visited & set(unreachable(problem))
-
-
-@settings(DRAWN, max_examples=draws(60))
-@given(problem=small_problems(most=3, hetero=True))
-def test_no_feasible_route_of_a_mixed_fleet_visits_a_site_called_unreachable(problem: RoutingProblem) -> None:
     visited = {site for vehicle in problem.fleet for visits in routes(problem, vehicle) for site in visits}
     assert not visited & set(unreachable(problem))
 

@@ -11,6 +11,7 @@ from oracles import (
     ASYM_5,
     EVERY_FORM,
     GAP_5,
+    MIN_COST,
     OCTO_8,
     ROUTING_FORMS,
     SQUARE_4,
@@ -116,13 +117,6 @@ def test_three_index_agrees_with_enumeration_on_many_mixed_fleets(problem: Routi
     agrees(problem, "three-index", optimum(problem))
 
 
-MIN_COST = [
-    ("SQUARE-4", 4, 10.0, 30.0), ("SQUARE-4", 2, 12.0, 24.0), ("SQUARE-4", 2, 14.0, 20.0), ("SQUARE-4", 1, 18.0, 18.0),
-    ("SQUARE-4", 4, 9.99, None), ("SQUARE-4", 2, 11.9, None), ("SQUARE-4", 2, math.inf, 18.0),
-    ("GAP-5", 1, 28.0, 28.0), ("GAP-5", 1, 27.9, None), ("GAP-5", 2, 26.0, 36.0), ("GAP-5", 2, 20.0, 36.0),
-    ("ASYM-5", 1, math.inf, 16.0), ("ASYM-5", 1, 16.0, 16.0), ("ASYM-5", 2, 14.0, 26.0), ("ASYM-5", 3, 14.0, 26.0),
-    ("ASYM-5", 5, 13.0, 31.0), ("ASYM-5", 5, 12.0, None),
-]  # fmt: skip
 LONG_MIN_COST = [
     ("OCTO-8", 1, math.inf, 56.606765), ("OCTO-8", 2, 40.0, 65.254137), ("OCTO-8", 2, 35.0, 69.351820), ("OCTO-8", 3, 30.0, 73.662587),
     ("OCTO-8", 4, 24.0, 86.496481), ("OCTO-8", 2, 32.0, None), ("OCTO-8", 3, 26.0, None), ("OCTO-8", 3, 24.0, None),
