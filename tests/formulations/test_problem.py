@@ -38,9 +38,13 @@ GENERATED = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    "kind", ["assignment", "coverage", "orchard-day", "prm-graph", "risk-allocation", "risky-grid", "robot-tasks", *GENERATED]
-)
+KINDS = (
+    "assignment", "coverage", "exploration-map", "generalised-assignment", "joint-assignment", "orchard-day", "prm-graph",
+    "risk-allocation", "risky-grid", "robot-tasks", *GENERATED,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", KINDS)
 def test_every_family_is_saved_and_read_back_as_the_same_problem(kind, tmp_path):
     instance = generate(kind, 3, **GENERATED.get(kind, {}))
     for name in instance.problems:
