@@ -30,8 +30,7 @@ def test_solve_writes_an_answer_and_a_certificate_that_check_verifies(json_of, r
 
 
 def test_a_selection_and_a_max_min_program_are_solved_too(json_of, max_min_file):
-    cover = json_of("solve", "cover-30", "--solver", "highs", "-q")
-    assert cover["objective"] == 142.0
+    assert json_of("solve", "cover-30", "--solver", "highs", "-q")["objective"] == 142.0
     program = json_of("solve", max_min_file, "--solver", "highs", "-q")
     assert program["objective"] == pytest.approx(3 / 4, abs=1e-9)  # x = 3/4, 1/4
 
@@ -169,8 +168,7 @@ def test_a_bad_edge_list_is_one_line_with_its_place(refused, tmp_path, rows, lin
 
 @pytest.mark.parametrize("arguments", [("figure-3-3",), ("figure-3-3", "--problem", "winner-takes-all"), ("cover-30",)])
 def test_bound_and_explain_take_them(run, arguments):
-    bounded = run("bound", *arguments, "--bound-time", "60", "-q", code=0)
-    assert "verified" in bounded.stdout
+    assert "verified" in run("bound", *arguments, "--bound-time", "60", "-q", code=0).stdout
     assert "there is a solution" in run("explain", *arguments, code=0).stdout
 
 

@@ -54,8 +54,7 @@ def test_costs_that_fall_with_the_risk_share_it_as_the_roots_of_their_weights(so
     found = solved(shared([1.0, 4.0, 9.0], "min", "second-order", [[1, 1], [-1, 1], [0, 0]], [0.0, 0.0, 2.0]), solver)
     assert found.objective is not None and found.objective / TOTAL == pytest.approx(300.0, rel=1e-6)
     assert TOTAL * found.answer[:3] == pytest.approx([0.02, 0.04, 0.06], abs=1e-5)
-    uniform = sum(weight / (TOTAL / 3.0) for weight in (1.0, 4.0, 9.0))
-    assert uniform == pytest.approx(350.0)
+    assert sum(weight / (TOTAL / 3.0) for weight in (1.0, 4.0, 9.0)) == pytest.approx(350.0)
 
 
 @pytest.mark.parametrize("solver", CONE_SOLVERS)

@@ -142,8 +142,7 @@ def test_an_answer_off_its_limits_is_within_those_that_its_residuals_widen() -> 
     p, x = mixed(), np.array([4.5, 2.75])
     assert not p.evaluate(x).feasible
     excess = float((p.chance @ x - p.limits).max())
-    wide = p.widened({"constraints": 0.25, "chance": excess + 9.0})
-    assert wide.evaluate(x).feasible
+    assert p.widened({"constraints": 0.25, "chance": excess + 9.0}).evaluate(x).feasible
 
 
 def test_rows_that_are_chosen_keep_their_data_and_budgets_their_constraints() -> None:

@@ -45,8 +45,7 @@ def test_the_json_of_an_answer_names_types_and_reads_back(mixed):
 
 
 def test_facts_name_depots_and_count_what_is_out_of_reach(problem):
-    facts = wb.read("demo-tiny", capacity=9).facts()
-    assert facts["sites"]["unreachable"] > 0
+    assert wb.read("demo-tiny", capacity=9).facts()["sites"]["unreachable"] > 0
     assert problem.facts()["sites"]["unreachable"] == 0
     assert problem.facts()["fleet"][0]["start"] == problem.sites.ids[0]
     alone = wb.RoutingProblem(wb.Sites.of(["d"]), wb.Travel("euclidean", [[0, 0]]), (wb.VehicleType(),))

@@ -49,8 +49,7 @@ def test_a_memory_is_carried_on_and_no_worse_than_itself_alone():
 
 def test_whatever_the_path_was_an_unknown_memory_proves_no_risk():
     ways = np.array([[-1, 0, 1], [0, 1, 2], [1, 2, 3]])
-    least = Visited().least(SPACE, *ways.T)
-    assert least.tolist() == [0.0, 0.0, 0.0]
+    assert Visited().least(SPACE, *ways.T).tolist() == [0.0, 0.0, 0.0]
     assert Visited().least(SPACE, *ways[:0].T).shape == (0,)
 
 

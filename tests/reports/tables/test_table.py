@@ -128,8 +128,7 @@ def test_lists_of_solvers_are_lists(ends: dict[str, Any]) -> None:
     able = [info.name for info in ends["solvers of a problem"] if not info.missing]
     assert "highs" in able
     assert isinstance(ends["solvers"], list) and len(ends["solvers"]) > 10
-    copied = pickle.loads(pickle.dumps(ends["solvers"]))
-    assert copied == list(ends["solvers"])
+    assert pickle.loads(pickle.dumps(ends["solvers"])) == list(ends["solvers"])
     assert Listing([1, 2], lambda rows: Table("N", (Column("n"),), tuple((str(r),) for r in rows)))._repr_html_().count("<td") == 2
 
 

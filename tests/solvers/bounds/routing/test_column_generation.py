@@ -53,8 +53,7 @@ def test_moves_are_hopeless_only_where_every_route_over_them_costs_too_much() ->
     solved = columns.solve(part, None)
     all_of_them, none = columns.hopeless(part, solved, -2.0 * columns.dearest), columns.hopeless(part, solved, 1e3 * columns.dearest)
     assert all_of_them is not None and none is not None
-    inner = np.isfinite(part.cost[0])
-    assert all_of_them[inner].all() and not none.any()
+    assert all_of_them[np.isfinite(part.cost[0])].all() and not none.any()
 
 
 def test_routes_that_are_dropped_leave_the_value_and_what_was_solved_before_as_they_are(monkeypatch: pytest.MonkeyPatch) -> None:

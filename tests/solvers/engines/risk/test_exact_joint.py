@@ -91,8 +91,7 @@ def test_a_plan_keeps_its_true_risk_where_failures_come_together(total: float, l
 
 @pytest.mark.parametrize("total", [1.5e-5, 1.723e-5])
 def test_a_total_that_no_position_keeps_is_kept_by_none(total: float) -> None:
-    least = min(risk_of_two_sensors(x, 4.3) for x in np.linspace(-0.01, 0.01, 41))
-    assert total < least
+    assert total < min(risk_of_two_sensors(x, 4.3) for x in np.linspace(-0.01, 0.01, 41))
     result = run(ExactJoint, two_sensors(total, 4.3))
     assert result.answer is None and result.status == "infeasible"
 
