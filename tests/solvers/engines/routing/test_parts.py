@@ -63,7 +63,8 @@ def test_a_start_is_bettered() -> None:
 def test_of_a_start_with_more_routes_than_vehicles_the_longest_are_taken() -> None:
     problem = made("fleet")
     start = Routes.of([Route((c,), 0) for c in problem.customers.tolist()])
-    assert problem.evaluate(run(problem, start=start).answer).feasible
+    found = run(problem, start=start)
+    assert problem.evaluate(found.answer).feasible
 
 
 def test_it_ends_without_improvement_and_when_the_time_is_up_and_when_it_is_asked_to() -> None:

@@ -44,9 +44,12 @@ def stored(held: Any) -> list[Any]:
     """All that tells the routes at hand and their cost."""
     visited = held.node[:, k.ROUTE] >= 0
     return [
-        held.sums.tolist(), held.types.tolist(), held.route.tolist(), held.node[visited].tolist(),
+        held.sums.tolist(),
+        held.types.tolist(),
+        held.route.tolist(),
+        held.node[visited].tolist(),
         sorted(held.absent[: held.sums[k.ABSENT]]),
-    ]  # fmt: skip
+    ]
 
 
 @pytest.mark.parametrize("feature", FEATURES)
