@@ -8,7 +8,8 @@ import sys
 from pathlib import Path
 
 import pytest
-from coded import coded
+from coded import check_coded, coded
+from file_cases import check_refused
 from programs import Counting
 
 import waybound as wb
@@ -197,12 +198,9 @@ def test_judge_takes_anything_and_says_what_is_broken(given):
 
 def test_judge_refuses_what_it_cannot_read():
     problem = wb.read("demo-tiny")
-    with pytest.raises(wb.UsageError, check=coded("malformed")):
-        wb.judge("demo-tiny", [[1]])
-    with pytest.raises(wb.UsageError, check=coded("missing")):
-        wb.judge(problem, None)
-    with pytest.raises(wb.UsageError, match="is no list of routes"):
-        wb.judge(problem, 5)
+    check_coded(wb.UsageError, "malformed", wb.judge, "demo-tiny", [[1]])
+    check_coded(wb.UsageError, "missing", wb.judge, problem, None)
+    check_refused(wb.UsageError, "is no list of routes", wb.judge, problem, 5)
 
 
 def test_a_checkout_without_links_says_what_to_do(tmp_path: Path) -> None:

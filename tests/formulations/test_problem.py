@@ -1,5 +1,6 @@
 import pytest
-from coded import coded
+from coded import check_coded, coded
+from file_cases import check_refused
 
 import waybound as wb
 from waybound.formulations.problem import Problem, problem_from_instance
@@ -75,10 +76,8 @@ def test_what_a_problem_was_set_to_is_saved_with_it_and_may_be_set_anew(kind, se
 
 def test_what_has_no_file_says_so(tmp_path):
     own = wb.SubmodularSelection(wb.UserFunction(lambda chosen: chosen.any(axis=1).astype(float), 2), wb.Cardinality(1))
-    with pytest.raises(wb.InputError, match="the function user cannot be written to a file"):
-        own.save(tmp_path / "p.json")
-    with pytest.raises(wb.UsageError, check=coded("unknown-name")):
-        wb.read("cover-30").save(tmp_path / "p.xyz")
+    check_refused(wb.InputError, "the function user cannot be written to a file", own.save, tmp_path / "p.json")
+    check_coded(wb.UsageError, "unknown-name", wb.read("cover-30").save, tmp_path / "p.xyz")
     assert not list(tmp_path.iterdir())
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from bin_assignments import WORKED, enumerated, random_costs, worked
-from coded import coded
+from coded import check_coded, coded
 from draws import draws
 
 import waybound as wb
@@ -81,10 +81,8 @@ def test_answers_are_written_and_read_by_name() -> None:
     for text, code in (("robot\n", "malformed"), ("robot,bin\n1,1\n1,2\n", "duplicate")):
         with pytest.raises(InputError, check=coded(code)):
             problem.answer_from_text(text)
-    with pytest.raises(InputError, check=coded("unknown-name")):
-        problem.answer_from_json({"kind": "bin-assignment", "bin_of_robot": {"1": "7"}})
-    with pytest.raises(UsageError, check=coded("foreign")):
-        problem.check_start((0, 1))
+    check_coded(InputError, "unknown-name", problem.answer_from_json, {"kind": "bin-assignment", "bin_of_robot": {"1": "7"}})
+    check_coded(UsageError, "foreign", problem.check_start, (0, 1))
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".xlsx", ".json"])

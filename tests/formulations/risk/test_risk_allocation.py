@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from coded import coded
+from coded import check_coded, coded
+from file_cases import check_refused
 from risk_problems import around_a_box, problem, run
 
 import waybound as wb
@@ -73,10 +74,8 @@ def test_settings_change_the_risk() -> None:
     other = problem_from_instance(p, risk="joint", total=0.2)
     assert isinstance(other, RiskAllocation)
     assert (other.risk.kind, other.risk.total, other.caps.tolist()) == ("joint", 0.2, [0.2] * 3)
-    with pytest.raises(UsageError, match="has no setting 'speed'; it takes risk, total"):
-        problem_from_instance(p, speed=1)
-    with pytest.raises(UsageError, check=coded("foreign")):
-        wb.read("demo-c25", problem="risk-allocation")
+    check_refused(UsageError, "has no setting 'speed'; it takes risk, total", problem_from_instance, p, speed=1)
+    check_coded(UsageError, "foreign", wb.read, "demo-c25", problem="risk-allocation")
 
 
 # -- problems made of another one ----------------------------------------------------------------------------------------

@@ -1,8 +1,9 @@
 import math
 
 import pytest
-from coded import coded
+from coded import check_coded, coded
 from draws import draws
+from file_cases import check_refused
 from hypothesis import given, settings, strategies as st
 
 import waybound as wb
@@ -33,10 +34,8 @@ def test_then_appends_levels_in_order():
 
 def test_names_make_an_objective():
     assert Objective.named(("vehicles", "total-cost")) == Vehicles().then(TotalCost())
-    with pytest.raises(UsageError, match="unknown objective term 'profit'"):
-        Objective.named(("profit",))
-    with pytest.raises(UsageError, check=coded("missing")):
-        Objective.named(())
+    check_refused(UsageError, "unknown objective term 'profit'", Objective.named, ("profit",))
+    check_coded(UsageError, "missing", Objective.named, ())
 
 
 def test_text_tells_weights_apart_that_differ_in_their_last_digits():

@@ -2,7 +2,8 @@ import json
 
 import numpy as np
 import pytest
-from coded import coded
+from coded import check_coded
+from file_cases import check_refused
 from hypothesis import given, strategies as st
 from random_sensing import optimum
 from sata_cases import matrices_of, random_graph
@@ -91,12 +92,9 @@ def test_features_tell_sense_and_structure():
 
 
 def test_matrices_that_do_not_fit_are_refused():
-    with pytest.raises(wb.InputError, check=coded("wrong-shape")):
-        wb.MaxMinLP(A, C[:, :2])
-    with pytest.raises(wb.InputError, check=coded("out-of-range")):
-        wb.MaxMinLP(A, -C)
-    with pytest.raises(wb.InputError, check=coded("unknown-name")):
-        program("most")
+    check_coded(wb.InputError, "wrong-shape", wb.MaxMinLP, A, C[:, :2])
+    check_coded(wb.InputError, "out-of-range", wb.MaxMinLP, A, -C)
+    check_coded(wb.InputError, "unknown-name", program, "most")
 
 
 @given(st.lists(st.floats(0, 1e12), min_size=3, max_size=3))
@@ -130,10 +128,8 @@ def test_a_file_holds_the_whole_program(tmp_path):
     again = wb.read(tmp_path / "p.json")
     assert isinstance(again, wb.MaxMinLP)
     assert (again.digest(), again.sense, again.variable_name(2), again.name) == (problem.digest(), "min", "c", "small")
-    with pytest.raises(wb.UsageError, match="max-min-lp has no setting 'k'"):
-        wb.read(tmp_path / "p.json", k=3)
-    with pytest.raises(wb.UsageError, check=coded("foreign")):
-        wb.read(tmp_path / "p.json", problem="bottleneck")
+    check_refused(wb.UsageError, "max-min-lp has no setting 'k'", wb.read, tmp_path / "p.json", k=3)
+    check_coded(wb.UsageError, "foreign", wb.read, tmp_path / "p.json", problem="bottleneck")
 
 
 # -- one packing row a variable ---------------------------------------------------------------------------------------
@@ -183,7 +179,5 @@ def test_variables_that_cover_nothing_may_stand_in_any_packing_rows_and_are_zero
 
 
 def test_other_programs_are_refused_by_what_they_have() -> None:
-    with pytest.raises(UnsupportedError, match="several-packing-rows"):
-        as_sensing(MaxMinLP([[1.0], [1.0]], [[1.0]]))
-    with pytest.raises(UnsupportedError, match="min-max"):
-        as_sensing(MaxMinLP([[1.0]], [[1.0]], sense="min"))
+    check_refused(UnsupportedError, "several-packing-rows", as_sensing, MaxMinLP([[1.0], [1.0]], [[1.0]]))
+    check_refused(UnsupportedError, "min-max", as_sensing, MaxMinLP([[1.0]], [[1.0]], sense="min"))

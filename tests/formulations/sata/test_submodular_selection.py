@@ -5,8 +5,9 @@ import json
 
 import numpy as np
 import pytest
-from coded import coded
+from coded import check_coded, coded
 from draws import draws
+from file_cases import check_refused
 from hypothesis import given, settings, strategies as st
 
 import waybound as wb
@@ -226,7 +227,5 @@ def test_a_number_of_elements_belongs_to_one_constraint(given_settings, code):
 
 
 def test_a_file_of_a_selection_has_no_settings():
-    with pytest.raises(wb.UsageError, match="selection has no setting 'k'"):
-        wb.read("cover-30", k=3)
-    with pytest.raises(wb.UsageError, check=coded("foreign")):
-        wb.read("demo-tiny", problem="selection")
+    check_refused(wb.UsageError, "selection has no setting 'k'", wb.read, "cover-30", k=3)
+    check_coded(wb.UsageError, "foreign", wb.read, "demo-tiny", problem="selection")

@@ -3,6 +3,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from file_cases import check_refused
 from programs import AnsweredBy
 from random_sensing import optimum
 from sata_cases import CASES, matrices_of
@@ -151,10 +152,8 @@ def test_a_program_of_one_packing_row_a_variable_is_solved_as_one_of_robots() ->
 
 
 def test_programs_with_several_packing_rows_a_variable_or_of_the_other_sense_are_refused() -> None:
-    with pytest.raises(UnsupportedError, match="several-packing-rows"):
-        solve(MaxMinLP([[1.0], [1.0]], [[1.0]]), heuristic="local")
-    with pytest.raises(UnsupportedError, match="min-max"):
-        solve(MaxMinLP([[1.0]], [[1.0]], sense="min"), heuristic="local")
+    check_refused(UnsupportedError, "several-packing-rows", solve, MaxMinLP([[1.0], [1.0]], [[1.0]]), heuristic="local")
+    check_refused(UnsupportedError, "min-max", solve, MaxMinLP([[1.0]], [[1.0]], sense="min"), heuristic="local")
 
 
 # -- through solve -------------------------------------------------------------------------------------------------------

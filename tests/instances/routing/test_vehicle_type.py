@@ -3,8 +3,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from coded import coded
-from file_cases import refused
+from coded import check_coded
+from file_cases import check_refused, refused
 
 from waybound import InputError, RoutingInstance, Sites
 from waybound.instances.routing.travel import EXPLICIT, Travel
@@ -34,10 +34,8 @@ def test_a_vehicle_that_makes_no_sense_is_refused(given: dict[str, Any], message
 
 
 def test_a_store_has_its_own_errors() -> None:
-    with pytest.raises(InputError, match="energy at departure must be within the capacity; expected 0 to 5; found 6"):
-        Energy(5, initial=6)
-    with pytest.raises(InputError, check=coded("contradiction")):
-        Energy(5, charge="elapsed", stations=(0,))
+    check_refused(InputError, "energy at departure must be within the capacity; expected 0 to 5; found 6", Energy, 5, initial=6)
+    check_coded(InputError, "contradiction", Energy, 5, charge="elapsed", stations=(0,))
     assert (Energy(5).at_departure, Energy(5, initial=0).at_departure) == (5, 0)
 
 

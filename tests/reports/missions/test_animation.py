@@ -2,7 +2,8 @@ import io
 
 import numpy as np
 import pytest
-from coded import coded
+from coded import check_coded, coded
+from file_cases import check_refused
 
 from waybound import InputError, UsageError, run
 from waybound.instances.worlds import World
@@ -66,12 +67,9 @@ def test_long_runs_show_every_so_many_steps_and_the_last(film):
 
 
 def test_what_cannot_be_shown_or_written_is_refused(film, tmp_path):
-    with pytest.raises(UsageError, match=r"\.gif or \.html"):
-        film[0].save(tmp_path / "film.mp4")
-    with pytest.raises(UsageError, check=coded("missing")):
-        Film(Tracking()).save(tmp_path / "film.gif")
-    with pytest.raises(InputError, match="no folder"):
-        film[0].save(tmp_path / "missing" / "film.gif")
+    check_refused(UsageError, r"\.gif or \.html", film[0].save, tmp_path / "film.mp4")
+    check_coded(UsageError, "missing", Film(Tracking()).save, tmp_path / "film.gif")
+    check_refused(InputError, "no folder", film[0].save, tmp_path / "missing" / "film.gif")
     assert list(tmp_path.iterdir()) == []
 
 

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from coded import coded
+from coded import check_coded, coded
 from program_text import expected, written
 from random_sensing import optimum
 from sata_cases import CASES, best_value, dense_weights, random_graph, selections
@@ -102,12 +102,9 @@ def test_answers_become_points_of_their_value_and_come_back(fractional):
 
 def test_starts_of_another_shape_are_refused():
     problem = BottleneckSATA(CASES["S1"].graph, fractional=True)
-    with pytest.raises(InputError, check=coded("wrong-shape")):
-        problem.compile().encode(np.ones(2))
-    with pytest.raises(InputError, check=coded("unknown-name")):
-        BottleneckSATA(CASES["S1"].graph).compile().encode(Selection.of([77]))
-    with pytest.raises(InputError, check=coded("wrong-shape")):
-        MaxMinLP(np.eye(2), np.eye(2)).compile().encode(np.ones(3))
+    check_coded(InputError, "wrong-shape", problem.compile().encode, np.ones(2))
+    check_coded(InputError, "unknown-name", BottleneckSATA(CASES["S1"].graph).compile().encode, Selection.of([77]))
+    check_coded(InputError, "wrong-shape", MaxMinLP(np.eye(2), np.eye(2)).compile().encode, np.ones(3))
 
 
 def test_shares_that_exceed_a_row_by_a_tolerance_are_pulled_back():

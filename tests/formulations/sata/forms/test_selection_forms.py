@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
-from coded import coded
+from coded import check_coded
 from draws import draws
 from programs import AnsweredBy
 from sata_cases import CASES, random_graph, selections
@@ -188,10 +188,8 @@ def test_the_default_form_is_linear_and_the_product_is_last():
 def test_fractional_points_choose_nothing():
     compiled = cover_30(3).compile()
     program = compiled.program
-    with pytest.raises(InputError, check=coded("out-of-range")):
-        compiled.decode(np.full(program.num_variables, 0.4))
-    with pytest.raises(InputError, check=coded("unknown-name")):
-        compiled.encode(Selection.of([99]))
+    check_coded(InputError, "out-of-range", compiled.decode, np.full(program.num_variables, 0.4))
+    check_coded(InputError, "unknown-name", compiled.encode, Selection.of([99]))
 
 
 @pytest.mark.parametrize("form", [*LINEAR, "product"])

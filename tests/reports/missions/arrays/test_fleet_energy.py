@@ -1,4 +1,5 @@
 import pytest
+from file_cases import check_refused
 
 import waybound as wb
 from waybound.instances.arrays.worlds.fleet_energy import NEVER
@@ -50,10 +51,8 @@ def test_any_solver_of_integer_programs_plans(solver):
 
 
 def test_a_fleet_that_reaches_nothing_is_refused_before_the_first_step():
-    with pytest.raises(InputError, match="no robot reaches"):
-        wb.run("fleet-energy", policy="one-by-one", speed=0.001)
-    with pytest.raises(UsageError, match="the flight time is 2 steps"):
-        wb.run("fleet-energy", policy="one-by-one", believed_flight=20)
+    check_refused(InputError, "no robot reaches", wb.run, "fleet-energy", policy="one-by-one", speed=0.001)
+    check_refused(UsageError, "the flight time is 2 steps", wb.run, "fleet-energy", policy="one-by-one", believed_flight=20)
 
 
 def test_it_can_be_filmed(filmed):

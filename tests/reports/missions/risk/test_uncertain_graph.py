@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from file_cases import check_refused
 from uncertain_graphs import WORKED, graph_of
 
 import waybound as wb
@@ -57,10 +58,8 @@ def test_where_nothing_is_observed_rags_walks_one_path_whatever_comes():
 
 
 def test_unknown_settings_and_risks_are_refused():
-    with pytest.raises(UsageError, match="risk must lie between 0 and 0"):
-        wb.run("uncertain-graph", policy="rags", risk=0.7)
-    with pytest.raises(UsageError, match="has no setting 'wind'"):
-        wb.run("uncertain-graph", policy="rags", wind=1)
+    check_refused(UsageError, "risk must lie between 0 and 0", wb.run, "uncertain-graph", policy="rags", risk=0.7)
+    check_refused(UsageError, "has no setting 'wind'", wb.run, "uncertain-graph", policy="rags", wind=1)
 
 
 def test_it_can_be_filmed(filmed, tmp_path):

@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from file_cases import check_refused
 from hypothesis import given, strategies as st
 
 import waybound as wb
@@ -126,10 +127,8 @@ def test_paths_lead_round_the_fire():
 
 
 def test_a_distance_that_cannot_be_kept_is_refused():
-    with pytest.raises(UsageError, match="closest must be at most farthest"):
-        wb.run("fire-monitoring", policy="circling", closest=4.0)
-    with pytest.raises(UsageError, match="alpha"):
-        wb.run("fire-monitoring", policy="weighted-greedy", alpha=-1)
+    check_refused(UsageError, "closest must be at most farthest", wb.run, "fire-monitoring", policy="circling", closest=4.0)
+    check_refused(UsageError, "alpha", wb.run, "fire-monitoring", policy="weighted-greedy", alpha=-1)
 
 
 def test_it_can_be_filmed(filmed):
