@@ -201,7 +201,7 @@ def test_what_a_users_function_returns_is_checked(heuristic: str, bad: object, c
 
 
 def test_bottleneck_greedy_can_be_arbitrarily_bad_and_promises_nothing() -> None:
-    for d in (0.1, 0.01):
+    for d in (0.1, 0.01, 1e-6):
         problem = BottleneckSATA(graph_of_rows([(d, d), (1, 0)], [(0, 1)]))
         outcome = run("greedy", problem)
         assert value(problem, outcome) == pytest.approx(d)
