@@ -56,7 +56,35 @@ def check_refused(error: type[Exception], message: str, call: Callable[..., Any]
         call(*arguments, **settings)
 
 
-def check_unwritable(write: Callable[[Any], str], instance: Any, message: str) -> None:
-    """An instance that cannot be written is refused with ``message``."""
-    with pytest.raises(UsageError, match=message):
-        write(instance)
+# -- tests made of a table of cases ------------------------------------------------------------------------------------------
+
+
+def faults(*cases: tuple[str, int | None, str, str | None, str | None]) -> Callable[..., None]:
+    """A test: each text is refused at a line with a message, and tells what it expected and found there."""
+
+    @pytest.mark.parametrize(("text", "line", "message", "expected", "found"), cases)
+    def test(text: str, line: int | None, message: str, expected: str | None, found: str | None, refusal: Refusal) -> None:
+        check_fault(refusal(text), message, line, expected, found)
+
+    return test
+
+
+def unwritable(write: Callable[[Any], str], text: str, *cases: tuple[Change, str]) -> Callable[..., None]:
+    """A test: the instance in ``text``, changed so that the format has no place for it, is not written, for a reason."""
+
+    @pytest.mark.parametrize(("change", "message"), cases)
+    def test(change: Change, message: str, read_text_as: Read) -> None:
+        with pytest.raises(UsageError, match=message):
+            write(change(read_text_as(text)))
+
+    return test
+
+
+def strangers(recognises: Callable[[str], bool], *texts: str) -> Callable[[str], None]:
+    """A test: these texts are of other formats or none."""
+
+    @pytest.mark.parametrize("text", texts)
+    def test(text: str) -> None:
+        assert not recognises(text)
+
+    return test

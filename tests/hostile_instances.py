@@ -466,14 +466,8 @@ AT_RISK: dict[str, Callable[[Rng, Units], Problem]] = {"routing-at-risk": routin
 """Routes whose durations are uncertain; what counts in whole numbers may refuse their squares in one unit alone."""
 
 UNCERTAIN: dict[str, Callable[[Rng, Units], Problem]] = {
-    "uncertain-path": uncertain_path,
-    "risky-path": risky_path,
-    "risk-allocation": risk_allocation,
-    "bin-assignment": bin_assignment,
-    "generalised-assignment": generalised_assignment,
-    "joint-assignment": joint_assignment,
-    "room-exploration": room_exploration,
-    "task-allocation": task_allocation,
-    "balanced-partition": balanced_partition,
-}
+    "uncertain-path": uncertain_path, "risky-path": risky_path, "risk-allocation": risk_allocation, "bin-assignment": bin_assignment,
+    "generalised-assignment": generalised_assignment, "joint-assignment": joint_assignment, "room-exploration": room_exploration,
+    "task-allocation": task_allocation, "balanced-partition": balanced_partition,
+}  # fmt: skip
 """The same, with values that are no fractions, or of which exact arithmetic tells nothing that the tests of their room do not."""

@@ -55,7 +55,6 @@ def rounded(truth: Truth, value: float, bound: float) -> bool:
 
 def wrong_side(truth: Truth, bound: float) -> bool:
     """Whether a bound says that the optimum cannot be reached."""
-    assert truth.best is not None
     best, limit = truth.best[0], Fraction(bound)
     slack = abs(best) * Fraction(SAME) + (Fraction(VANISHING) if best else 0)
     return limit > best + slack if truth.senses[0] == "min" else limit < best - slack

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from hypothesis import strategies as st
+from scipy.optimize import linprog
 from truth.routing import RoutingTruth, best_values
 
 from waybound import Energy, Objective, Program, Reward, RoutingProblem, Sites, TotalCost, Travel, UnsupportedError, Vehicles, VehicleType
@@ -22,8 +23,6 @@ def optimum(problem: RoutingProblem) -> float | None:
 
 def set_partitioning_bound(problem: RoutingProblem, fewest: int = 0) -> float:
     """LP value of choosing ``fewest`` routes or more from all feasible ones (one vehicle type, all customers required, total cost)."""
-    from scipy.optimize import linprog
-
     truth = RoutingTruth(problem)
     columns = list(truth.driven)
     visits = np.array([[float(i in route) for _, route in columns] for i in problem.customers])
@@ -92,7 +91,6 @@ def agrees(problem: RoutingProblem, form: str, expected: float | None) -> None:
     verdict = problem.evaluate(answer)
     assert verdict.feasible, verdict.violations
     assert verdict.values[0] == pytest.approx(expected, abs=1e-6)
-    assert made.encode is not None
     back = made.encode(answer)
     assert program.residual(back) <= 1e-7
     assert program.value(back) == pytest.approx(expected, abs=1e-6)
@@ -107,6 +105,14 @@ OCTO_8 = np.array([(0, 0), (2, 7), (5, 3), (8, 8), (-4, 6), (-7, 1), (-3, -5), (
 ASYM_5 = np.array(
     [[0, 4, 7, 3, 6, 5], [5, 0, 2, 6, 4, 8], [6, 3, 0, 5, 2, 7], [3, 5, 4, 0, 7, 2], [7, 4, 3, 6, 0, 3], [4, 9, 6, 2, 3, 0]], dtype=float
 )
+MIN_COST = [
+    ("SQUARE-4", 4, 10.0, 30.0), ("SQUARE-4", 2, 12.0, 24.0), ("SQUARE-4", 2, 14.0, 20.0), ("SQUARE-4", 1, 18.0, 18.0),
+    ("SQUARE-4", 4, 9.99, None), ("SQUARE-4", 2, 11.9, None), ("SQUARE-4", 2, math.inf, 18.0),
+    ("GAP-5", 1, 28.0, 28.0), ("GAP-5", 1, 27.9, None), ("GAP-5", 2, 26.0, 36.0), ("GAP-5", 2, 20.0, 36.0),
+    ("ASYM-5", 1, math.inf, 16.0), ("ASYM-5", 1, 16.0, 16.0), ("ASYM-5", 2, 14.0, 26.0), ("ASYM-5", 3, 14.0, 26.0),
+    ("ASYM-5", 5, 13.0, 31.0), ("ASYM-5", 5, 12.0, None),
+]  # fmt: skip
+"""Instance, vehicles, the longest route that is allowed, and the least cost."""
 TW_4 = {"ready": [0, 0, 0, 10, 0], "due": [math.inf, 20, 6, 12, 4]}
 
 

@@ -8,10 +8,13 @@ import sys
 from pathlib import Path
 
 import pytest
-from coded import coded
+from coded import check_coded, coded
+from file_cases import check_refused
 from programs import Counting
 
 import waybound as wb
+from waybound.formulations.answers import write_answer
+from waybound.instances.bundled import bundled_path
 from waybound.solvers.backend import BACKENDS
 
 HEAVY = ("highspy", "ortools", "pulp", "cvxpy", "pyvrp", "pandas", "scipy", "numba", "matplotlib", "networkx")
@@ -84,8 +87,6 @@ def test_read_takes_a_bundled_name_and_settings_as_keywords():
 
 def test_a_file_goes_before_the_bundled_instance_of_its_name(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    from waybound.instances.bundled import bundled_path
-
     (tmp_path / "demo-c25").write_text(bundled_path("demo-x40").read_text())
     assert wb.read("demo-c25").name == wb.read("demo-x40").name
 
@@ -95,11 +96,6 @@ def test_an_unknown_setting_is_refused_by_name():
         wb.read("demo-c25", colour="red")
 
 
-def test_generate_repeats_itself_from_the_seed():
-    one, same, other = (wb.generate("random", seed=s, customers=6) for s in (3, 3, 4))
-    assert one.digest() == same.digest() != other.digest()
-
-
 @pytest.fixture(scope="module")
 def solved():
     problem = wb.read("demo-tiny")
@@ -107,8 +103,6 @@ def solved():
 
 
 def test_check_takes_solutions_answers_and_files(solved, tmp_path):
-    from waybound.formulations.answers import write_answer
-
     problem, solution = solved
     write_answer(solution, tmp_path / "a.sol")
     verdicts = [wb.check(problem, given) for given in (solution, solution.answer, tmp_path / "a.sol", str(tmp_path / "a.sol"))]
@@ -204,12 +198,9 @@ def test_judge_takes_anything_and_says_what_is_broken(given):
 
 def test_judge_refuses_what_it_cannot_read():
     problem = wb.read("demo-tiny")
-    with pytest.raises(wb.UsageError, check=coded("malformed")):
-        wb.judge("demo-tiny", [[1]])
-    with pytest.raises(wb.UsageError, check=coded("missing")):
-        wb.judge(problem, None)
-    with pytest.raises(wb.UsageError, match="is no list of routes"):
-        wb.judge(problem, 5)
+    check_coded(wb.UsageError, "malformed", wb.judge, "demo-tiny", [[1]])
+    check_coded(wb.UsageError, "missing", wb.judge, problem, None)
+    check_refused(wb.UsageError, "is no list of routes", wb.judge, problem, 5)
 
 
 def test_a_checkout_without_links_says_what_to_do(tmp_path: Path) -> None:

@@ -5,6 +5,8 @@ import json
 import pytest
 
 import waybound as wb
+from waybound.instances.bundled import bundled_path
+from waybound.instances.writing import write_instance
 
 SENSING = ("bottleneck", "bottleneck-lp", "winner-takes-all", "selection")
 VALUES = {"bottleneck": 1.0, "bottleneck-lp": 4 / 3, "winner-takes-all": 3.0, "selection": 3.0}
@@ -12,8 +14,6 @@ VALUES = {"bottleneck": 1.0, "bottleneck-lp": 4 / 3, "winner-takes-all": 3.0, "s
 
 @pytest.fixture
 def max_min_file(tmp_path):
-    from waybound.instances.writing import write_instance
-
     path = tmp_path / "program.json"
     write_instance(wb.MaxMinLP([[1, 1], [0, 2]], [[1, 0], [0, 3]], name="program").instance, path)
     return path
@@ -30,8 +30,7 @@ def test_solve_writes_an_answer_and_a_certificate_that_check_verifies(json_of, r
 
 
 def test_a_selection_and_a_max_min_program_are_solved_too(json_of, max_min_file):
-    cover = json_of("solve", "cover-30", "--solver", "highs", "-q")
-    assert cover["objective"] == 142.0
+    assert json_of("solve", "cover-30", "--solver", "highs", "-q")["objective"] == 142.0
     program = json_of("solve", max_min_file, "--solver", "highs", "-q")
     assert program["objective"] == pytest.approx(3 / 4, abs=1e-9)  # x = 3/4, 1/4
 
@@ -68,8 +67,7 @@ def test_answers_other_than_routes_are_json_alone(refused, tmp_path, suffix):
 def test_an_answer_that_breaks_a_rule_is_found_out(run, tmp_path):
     path = tmp_path / "a.json"
     path.write_text(json.dumps({"kind": "assignment", "actions": [{"action": "p1"}, {"action": "p2"}]}))
-    result = run("check", "figure-3-3", path, code=5)
-    assert "robot r1 takes 2 actions" in result.stdout
+    assert "robot r1 takes 2 actions" in run("check", "figure-3-3", path, code=5).stdout
 
 
 @pytest.mark.parametrize("problem", SENSING)
@@ -108,8 +106,6 @@ def test_info_of_a_selection_and_of_a_max_min_program(json_of, run, max_min_file
 def test_instances_go_from_one_format_to_another_and_back(run, tmp_path):
     run("convert", "figure-3-3", "--to", tmp_path / "a.json", code=0)
     run("convert", tmp_path / "a.json", "--to", tmp_path / "b.csv", code=0)
-    from waybound.instances.bundled import bundled_path
-
     assert (tmp_path / "b.csv").read_bytes() == bundled_path("figure-3-3").read_bytes()
 
 
@@ -172,10 +168,8 @@ def test_a_bad_edge_list_is_one_line_with_its_place(refused, tmp_path, rows, lin
 
 @pytest.mark.parametrize("arguments", [("figure-3-3",), ("figure-3-3", "--problem", "winner-takes-all"), ("cover-30",)])
 def test_bound_and_explain_take_them(run, arguments):
-    bounded = run("bound", *arguments, "--bound-time", "60", "-q", code=0)
-    assert "verified" in bounded.stdout
-    explained = run("explain", *arguments, code=0)
-    assert "there is a solution" in explained.stdout
+    assert "verified" in run("bound", *arguments, "--bound-time", "60", "-q", code=0).stdout
+    assert "there is a solution" in run("explain", *arguments, code=0).stdout
 
 
 @pytest.mark.parametrize("problem", SENSING)
@@ -185,8 +179,7 @@ def test_a_plot_is_written(run, tmp_path, problem):
 
 
 def test_a_program_of_a_sensing_graph_is_exported(run, tmp_path):
-    result = run("export", "figure-3-3", "--to", tmp_path / "a.mps", code=0)
-    assert "variables" in result.stdout
+    assert "variables" in run("export", "figure-3-3", "--to", tmp_path / "a.mps", code=0).stdout
 
 
 def test_small_cases_are_listed_with_their_source(json_of):

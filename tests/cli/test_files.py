@@ -141,13 +141,10 @@ def test_generation_repeats_itself_from_the_seed(run, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
-        (("nonsense",), "choose from"),
-        (("random", "--set", "colour=red"), "colour"),
-        (("random", "--set", "customers=-1"), "customers"),
-        (("random", "--set", "seed=1"), "--seed"),
-        (("random", "--seed", "-1"), "seed"),
+        (("nonsense",), "choose from"), (("random", "--set", "colour=red"), "colour"), (("random", "--set", "customers=-1"), "customers"),
+        (("random", "--set", "seed=1"), "--seed"), (("random", "--seed", "-1"), "seed"),
     ],
-)
+)  # fmt: skip
 def test_generation_refuses_what_it_does_not_know(refused, tmp_path, arguments, says):
     assert says in refused("generate", *arguments, "--out", tmp_path / "a.json")
     assert list(tmp_path.iterdir()) == []

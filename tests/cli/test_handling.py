@@ -21,14 +21,10 @@ def raising(error: BaseException):
 @pytest.mark.parametrize(
     ("error", "code"),
     [
-        (UsageError("x"), 2),
-        (InputError("x"), 2),
-        (NoAnswerError("x"), 4),
-        (CheckFailedError("x"), 5),
-        (KeyboardInterrupt(), 130),
+        (UsageError("x"), 2), (InputError("x"), 2), (NoAnswerError("x"), 4), (CheckFailedError("x"), 5), (KeyboardInterrupt(), 130),
         (ValueError("x"), 1),
     ],
-)
+)  # fmt: skip
 def test_each_error_has_its_exit_code_and_one_line(error, code, capsys):
     with pytest.raises(typer.Exit) as caught:
         raising(error)()

@@ -38,8 +38,7 @@ def test_a_dropped_visit_is_exit_5_and_named(run, strict_json, solved):
 
 
 def test_a_stated_cost_that_is_not_the_recomputed_one_is_told_with_both(run, strict_json, solved):
-    text = solved[0].read_text().splitlines()
-    solved[0].write_text("\n".join([*text[:-1], "Cost 12.5"]))
+    solved[0].write_text("\n".join([*solved[0].read_text().splitlines()[:-1], "Cost 12.5"]))
     result = run("check", "demo-tiny", solved[0], "--json")
     data = strict_json(result.stdout)
     assert result.exit_code == 0
@@ -178,8 +177,7 @@ def test_explain_names_sites_and_is_exit_3(run, strict_json):
 
 
 def test_explain_names_the_fleet(run):
-    result = run("explain", "demo-c25", "--set", "vehicles=2", code=3)
-    assert "2 vehicles can carry" in result.stdout
+    assert "2 vehicles can carry" in run("explain", "demo-c25", "--set", "vehicles=2", code=3).stdout
 
 
 def test_explain_of_an_instance_with_a_solution_is_exit_0(run):

@@ -8,6 +8,7 @@ import pytest
 
 import waybound as wb
 from waybound.instances.bundled import bundled_path
+from waybound.solvers.backend import BACKENDS
 
 
 def test_info_tells_what_an_instance_holds(json_of):
@@ -45,27 +46,21 @@ def test_solvers_are_listed_with_versions(json_of, run):
 
 
 def test_a_solver_that_is_not_installed_is_listed_with_the_command_that_brings_it(run, monkeypatch):
-    from waybound.solvers.backend import BACKENDS
-
     monkeypatch.setattr(BACKENDS["pyvrp"], "modules", ("no_such_module_anywhere",))
     assert "pip install pyvrp" in run("solvers").stdout
 
 
 def test_a_solver_that_is_not_installed_cannot_be_used_and_says_how_to_get_it(refused, monkeypatch):
-    from waybound.solvers.backend import BACKENDS
-
     monkeypatch.setattr(BACKENDS["pyvrp"], "modules", ("no_such_module_anywhere",))
     assert "pip install pyvrp" in refused("solve", "demo-tiny", "--solver", "pyvrp", "-q")
 
 
 def test_with_a_file_solvers_say_whether_they_take_it(json_of):
-    listed = json_of("solvers", "demo-tiny")["solvers"]
-    assert any(not s["missing"] for s in listed)
+    assert any(not s["missing"] for s in json_of("solvers", "demo-tiny")["solvers"])
 
 
 def test_heuristics_say_what_they_guarantee(json_of, run):
-    listed = json_of("heuristics")["heuristics"]
-    assert all(h["guarantee"] for h in listed)
+    assert all(h["guarantee"] for h in json_of("heuristics")["heuristics"])
     assert "guarantee" in run("heuristics", "demo-tiny").stdout
 
 
@@ -90,8 +85,7 @@ def test_what_applies_comes_first_and_the_rest_is_a_count(run, json_of, command)
 
 
 def test_bundled_instances_are_listed_shown_and_found(json_of, run):
-    listed = json_of("instances", "list")
-    names = [entry["name"] for entry in listed["bundled"]]
+    names = [entry["name"] for entry in json_of("instances", "list")["bundled"]]
     assert "demo-c25" in names
     assert "demo-c25" in run("instances", "list").stdout
     assert wb.read(run("instances", "path", "demo-c25").stdout.strip()).digest() == wb.read("demo-c25").digest()

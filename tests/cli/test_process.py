@@ -134,8 +134,7 @@ def test_an_answer_is_written_whenever_the_signal_comes(number, body, more, tmp_
     assert time.perf_counter() - began < HANG
     assert done.returncode == 0, done.stderr
     assert json.loads(done.stdout)["certificate"]["feasible"]
-    problem = wb.read("demo-tiny")
-    assert wb.check(problem, tmp_path / "a.json", tmp_path / "c.json").feasible
+    assert wb.check(wb.read("demo-tiny"), tmp_path / "a.json", tmp_path / "c.json").feasible
 
 
 FINDING = """
@@ -219,7 +218,6 @@ def test_an_interrupt_after_the_last_word_does_not_change_the_exit_code():
 
 def test_a_reader_that_hangs_up_causes_no_traceback():
     process = subprocess.Popen([*COMMAND, "instances", "show", "demo-rc50"], stdout=subprocess.PIPE, stderr=subprocess.PIPE)
-    assert process.stdout is not None
     process.stdout.close()
     _, told = process.communicate(timeout=2 * HANG)
     assert b"Traceback" not in told

@@ -1,13 +1,19 @@
 """``waybound ratio`` and ``waybound report``."""
 
+import itertools
+import signal
+
 import pytest
 
 import waybound as wb
 from waybound import Guarantee, Selection
 from waybound.cli.output import table_fits
 from waybound.heuristics.heuristic import HEURISTICS, Heuristic, Outcome
+from waybound.reports.ratios import guarantees
 from waybound.reports.ratios.guarantees import GuaranteePlan, run_plan
 from waybound.reports.ratios.judged_runs import Configuration
+from waybound.reports.studies.risk import reward_stages, worked_example
+from waybound.reports.studies.sata import local
 from waybound.reports.studies.sata.families.selection import random_families
 from waybound.reports.studies.study import STUDIES, Study
 from waybound.reports.tables.table import Column, Table
@@ -79,12 +85,9 @@ def test_table_3_1_ends_well(run):
 
 
 def test_table_3_1_ends_with_5_when_an_entry_differs(run, monkeypatch, tmp_path):
-    from waybound.reports.studies.sata import local
-
     monkeypatch.chdir(tmp_path)
     monkeypatch.setitem(local.PRINTED, 10, (0.5, 0.5, 0.7592, 0.2409, 0.2409, 0.7591))
-    told = run("ratio", "table-3-1", "-q", code=5)
-    assert "p3" in told.stderr
+    assert "p3" in run("ratio", "table-3-1", "-q", code=5).stderr
 
 
 def test_a_broken_guarantee_ends_with_5_and_its_instance_is_in_a_file(run, bad_study, tmp_path, strict_json):
@@ -107,32 +110,26 @@ def test_without_a_folder_the_instances_are_written_where_one_stands(run, bad_st
     assert list(tmp_path.glob("violation-idle-*.json"))
 
 
-def test_an_interrupt_shows_what_was_done_and_says_so(run, monkeypatch):
-    from waybound.reports.ratios import guarantees
+@pytest.fixture
+def interrupt(monkeypatch):
+    """``interrupt(MODULE, name, number)``: Ctrl-C at the call of that number of a function."""
 
-    honest, calls = guarantees.measure, []
+    def make(module, name, number):
+        honest, calls = getattr(module, name), itertools.count(1)
+        monkeypatch.setattr(module, name, lambda *given: honest(*given) if next(calls) < number else signal.default_int_handler(2, None))
 
-    def measure(*given):
-        calls.append(given)
-        if len(calls) == 4:
-            raise KeyboardInterrupt
-        return honest(*given)
+    return make
 
-    monkeypatch.setattr(guarantees, "measure", measure)
+
+def test_an_interrupt_shows_what_was_done_and_says_so(run, interrupt):
+    interrupt(guarantees, "measure", 4)
     told = run("ratio", "greedy-partition", "--instances", 600, "-q", code=0)
-    assert "interrupted: 3 of" in told.stderr
-    assert "coverage" in told.stdout
+    assert "interrupted: 3 of" in told.stderr and "coverage" in told.stdout
 
 
-def test_an_interrupt_before_anything_was_done_ends_with_130(run, monkeypatch):
-    from waybound.reports.ratios import guarantees
-
-    def measure(*given):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(guarantees, "measure", measure)
-    told = run("ratio", "greedy-partition", "-q")
-    assert told.exit_code == 130
+def test_an_interrupt_before_anything_was_done_ends_with_130(run, interrupt):
+    interrupt(guarantees, "measure", 1)
+    assert run("ratio", "greedy-partition", "-q").exit_code == 130
 
 
 @pytest.mark.long
@@ -194,24 +191,12 @@ def test_pages_that_cannot_be_written_are_refused_before_anything_runs(refused, 
 
 
 def test_a_value_that_is_not_the_published_one_ends_with_5(run, monkeypatch):
-    from waybound.reports.studies.risk import worked_example
-
     monkeypatch.setattr(worked_example, "PRINTED", ("41.86 %", *worked_example.PRINTED[1:]))
     assert "risk of choice 1" in run("report", "worked-example", "-q", code=5).stderr
 
 
-def test_an_interrupted_report_shows_and_writes_what_was_done(run, monkeypatch, tmp_path):
-    from waybound.reports.studies.risk import reward_stages
-
-    honest, calls = reward_stages.stages, []
-
-    def stages(*given):
-        calls.append(given)
-        if len(calls) == 4:
-            raise KeyboardInterrupt
-        return honest(*given)
-
-    monkeypatch.setattr(reward_stages, "stages", stages)
+def test_an_interrupted_report_shows_and_writes_what_was_done(run, interrupt, tmp_path):
+    interrupt(reward_stages, "stages", 4)
     told = run("report", "reward-stages", "--out", tmp_path / "page.html", "-q", code=0)
     assert "interrupted: 3 of 16 parts" in told.stderr and "share" in told.stdout
     assert "interrupted: 3 of 16 parts" in (tmp_path / "page.html").read_text()

@@ -8,6 +8,7 @@ import pandas as pd
 import pytest
 
 import waybound as wb
+from waybound.reports.missions.sata.tracking import Tracking
 
 SMALL = ("--set", "robots=3", "--set", "targets=4", "--set", "width=60", "--set", "height=60")
 
@@ -84,8 +85,6 @@ def test_what_cannot_be_run_is_refused_in_one_line_and_nothing_is_written(refuse
 
 
 def test_an_interrupt_writes_the_steps_so_far_and_is_exit_0(run, tmp_path, monkeypatch):
-    from waybound.reports.missions.sata.tracking import Tracking
-
     real, calls = Tracking.measures, []
 
     def interrupting(self, decisions, world):
@@ -102,8 +101,6 @@ def test_an_interrupt_writes_the_steps_so_far_and_is_exit_0(run, tmp_path, monke
 
 
 def test_an_interrupt_before_the_first_step_is_exit_130_and_writes_nothing(refused, tmp_path, monkeypatch):
-    from waybound.reports.missions.sata.tracking import Tracking
-
     monkeypatch.setattr(Tracking, "teams", lambda self, observation: os.kill(os.getpid(), signal.SIGINT) or [observation])
     told = refused("run", "tracking", "--heuristic", "greedy", "--out", tmp_path / "log.csv", "-q", code=130)
     assert "interrupted" in told

@@ -6,15 +6,11 @@ import pytest
 @pytest.mark.parametrize(
     ("instance", "heuristic", "options", "least"),
     [
-        ("cover-30", "greedy", ["eps=0.5"], 133),
-        ("cover-30", "lazy-greedy", ["base=9,8"], 133),
-        ("cover-30", "stochastic-greedy", ["eps=0.1"], 100),
-        ("cover-30", "continuous-greedy", ["steps=20"], 90),
-        ("cover-30", "lp-rounding", ["ties=first"], 0),
-        ("cover-30", "brute-force", [], 142),
-        ("cover-30", "random", [], 1),
+        ("cover-30", "greedy", ["eps=0.5"], 133), ("cover-30", "lazy-greedy", ["base=9,8"], 133),
+        ("cover-30", "stochastic-greedy", ["eps=0.1"], 100), ("cover-30", "continuous-greedy", ["steps=20"], 90),
+        ("cover-30", "lp-rounding", ["ties=first"], 0), ("cover-30", "brute-force", [], 142), ("cover-30", "random", [], 1),
     ],
-)
+)  # fmt: skip
 def test_answers_come_with_their_evidence_as_json(json_of, instance, heuristic, options, least):  # type: ignore[no-untyped-def]
     given = [word for option in options for word in ("--option", option)]
     data = json_of("solve", instance, "--heuristic", heuristic, *given, "--bound-time", "60", "-q")

@@ -10,9 +10,11 @@ import pytest
 from programs import Counting
 
 import waybound as wb
+from waybound.cli import main
 from waybound.formulations.certificate import check_certificate
 from waybound.solvers import interrupts
 from waybound.solvers.backend import BACKENDS, Engine, RawResult
+from waybound.solvers.backends.highs import Highs
 
 QUICK = ("--solver", "pyvrp", "--iterations", "30", "--bound-time", "0", "--quiet")
 
@@ -193,13 +195,10 @@ def test_a_solver_whose_claimed_answer_breaks_a_constraint_is_exit_5_and_named(r
 
 
 def test_a_program_solver_that_lies_about_its_objective_is_exit_5_with_both_numbers_and_the_answer(run, strict_json, monkeypatch, tmp_path):
-    from waybound.solvers.backends.highs import Highs
-
     honest = Highs.run
 
     def lie(self, program, options, control):
-        result = honest(self, program, options, control)
-        return dataclasses.replace(result, objective=1.0, bound=1.0)
+        return dataclasses.replace(honest(self, program, options, control), objective=1.0, bound=1.0)
 
     monkeypatch.setattr(Highs, "run", lie)
     best = wb.solve(wb.read("demo-tiny"), "pyvrp", iterations=300, bound_time=0)
@@ -238,8 +237,6 @@ def own_signals(monkeypatch):
 
 
 def test_what_native_code_prints_does_not_reach_standard_output(engine, capfd, monkeypatch, own_signals):
-    from waybound.cli import main
-
     def chatty(problem, options, control):
         os.write(1, b"Welcome to the solver\n")
         return RawResult("unknown", limit="time")
@@ -361,8 +358,7 @@ def test_who_solves_no_linear_programs_is_refused(refused, name, says):
     "arguments", [("solve",), ("solve", "demo-tiny", "--no-such-option"), ("solve", "demo-tiny", "--seed", "x"), ("fly",)]
 )
 def test_what_the_command_line_itself_refuses_is_exit_2(run, arguments):
-    result = run(*arguments, code=2)
-    assert result.stdout == ""
+    assert run(*arguments, code=2).stdout == ""
 
 
 @pytest.mark.long

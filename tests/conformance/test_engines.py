@@ -155,8 +155,7 @@ def test_fractional_data_give_feasible_answers_of_the_value_told(engine_name, co
 def test_data_with_one_decimal_are_scaled_exactly(engine_name):
     if engine_name in UNSCALED:
         pytest.skip(f"{engine_name} scales nothing")
-    problem = small("time-windows", 0, "trunc1")
-    scale = run(engine_name, problem, iterations=20).statistics["scale"]
+    scale = run(engine_name, small("time-windows", 0, "trunc1"), iterations=20).statistics["scale"]
     assert scale["distance"] == 10
     assert scale["exact"] is True
 

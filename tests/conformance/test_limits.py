@@ -167,8 +167,7 @@ def test_an_interrupt_before_the_run_ends_it_at_once(knapsack, backend_name, sol
         pytest.skip(f"{backend_name} cannot be stopped; see the isolated test")
     control = Control()
     control.stop()
-    result = solve_with(knapsack, control, time_limit=HANG)
-    assert result.limit == "interrupt"
+    assert solve_with(knapsack, control, time_limit=HANG).limit == "interrupt"
 
 
 def test_any_backend_can_be_ended_in_a_process_of_its_own(market_split, backend_name):
@@ -223,8 +222,7 @@ def test_a_feasible_start_is_used(knapsack, backend_name, solve_with):
 
 def test_an_infeasible_start_does_no_harm(backend_name, solve_with, check_optimum):
     milp = program([5, 4, 3], [[2, 3, 1], [4, 1, 2], [3, 4, 2]], -np.inf, [5, 11, 8], 0, 9, integer=[0, 1, 2], sense="max")
-    result = solve_with(milp, start=np.array([9.0, 9.0, 9.0]))
-    check_optimum(milp, result, 13.0)
+    check_optimum(milp, solve_with(milp, start=np.array([9.0, 9.0, 9.0])), 13.0)
 
 
 def test_a_partial_start_is_completed_or_ignored(solve_with, check_optimum):

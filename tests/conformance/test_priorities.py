@@ -76,8 +76,7 @@ def test_reward_before_makespan_is_no_weighted_sum() -> None:
 
 def test_later_levels_without_evidence_are_claimed_and_the_certificate_keeps_to_the_first(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("waybound.solving.levels.bounded", lambda *asked, **named: Searched(RawResult("unknown"), False, 0.0))
-    problem = small("vehicles", 1, "exact")
-    found = wb.solve(problem, "highs", bound_time=60.0)
+    found = wb.solve(small("vehicles", 1, "exact"), "highs", bound_time=60.0)
     assert found.status == "optimal"
     first: float = found.objective[0]  # type: ignore[index]
     assert found.certificate.bound == pytest.approx(first, rel=1e-9) and found.bound[0] == pytest.approx(first, rel=1e-9)  # type: ignore[index]

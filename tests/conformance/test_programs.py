@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import scipy.sparse as sp
 from programs import program
+from scipy.optimize import linprog
 
 from waybound import InputError, Program, Rows, UnsupportedError, UsageError, Variables
 from waybound.formulations.programs.cones import Cones
@@ -30,8 +31,7 @@ def test_an_lp_has_its_optimum_and_dual_vector(solve_with, check_optimum):
 def test_native_backends_tell_the_duals_of_an_lp(backend_name, solve_with):
     if backend_name in NO_DUALS:
         pytest.skip(f"{backend_name} tells none")
-    result = solve_with(program([1, 1], [[1, 2], [3, 1]], [4, 6], INF))
-    assert result.row_duals is not None
+    assert solve_with(program([1, 1], [[1, 2], [3, 1]], [4, 6], INF)).row_duals is not None
 
 
 def test_a_maximised_lp_has_duals_in_its_own_sense(solve_with, check_optimum):
@@ -187,8 +187,7 @@ def test_blocks_of_variables_come_back_in_their_order(solve_with):
         "row", indptr=np.array([0, 3], dtype=np.int32), indices=np.array([0, 1, 2], dtype=np.int32), data=np.ones(3),
         lower=np.array([8.0]), upper=np.array([INF]),
     )  # fmt: skip
-    result = solve_with(Program("blocks", "min", (one, two), (rows,)))
-    assert result.answer == pytest.approx([5, 2, 1])
+    assert solve_with(Program("blocks", "min", (one, two), (rows,))).answer == pytest.approx([5, 2, 1])
 
 
 def test_a_convex_qp_meets_its_optimality_conditions(solve_with, check_optimum):
@@ -303,8 +302,6 @@ def test_unknown_options_are_refused(solve_with):
 
 @pytest.mark.share(3)
 def test_random_lps_meet_kkt_and_agree(solve_with, check_optimum):
-    from scipy.optimize import linprog
-
     rng = np.random.default_rng(5)
     for _ in range(8):
         m, n = 6, 8

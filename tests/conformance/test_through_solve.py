@@ -1,5 +1,6 @@
 """Every solver through ``solve``: the same words in, a verified answer out, whatever the solver."""
 
+import _thread
 import threading
 from typing import Any
 
@@ -69,8 +70,6 @@ def test_demand_beyond_the_fleet_has_no_answer(solver: str) -> None:
 @pytest.mark.share(2)
 @pytest.mark.parametrize("solver", ["pyvrp", "ortools"])
 def test_an_interrupt_of_the_user_returns_a_verified_answer(solver: str) -> None:
-    import _thread
-
     rng = np.random.default_rng(0)
     xy = rng.uniform(0, 100, (61, 2))
     sites = Sites.of(range(61), demand=np.append(0.0, rng.uniform(1, 20, 60)), coordinates=xy)

@@ -40,13 +40,9 @@ WORDS = re.compile(r"`{1,2}(\$? ?(?:waybound |--)[^`]*)`|^(?:\$ |    )?(waybound
 PLACEHOLDER = re.compile(r"[A-Z]{2,}|\.\.\.|[|\[\]]")
 
 SAMPLES = [
-    ("random", "customers=4 deviation=0.3 max-duration=900"),
-    ("random", "customers=4"),
-    ("robot-tasks", ""),
-    ("assignment", "costs=orchard robots=4 bins=4"),
-    ("risk-allocation", ""),
-    ("uncertain-graph", ""),
-]
+    ("random", "customers=4 deviation=0.3 max-duration=900"), ("random", "customers=4"), ("robot-tasks", ""),
+    ("assignment", "costs=orchard robots=4 bins=4"), ("risk-allocation", ""), ("uncertain-graph", ""),
+]  # fmt: skip
 """Recipes whose problems a fragment such as ``--set capacity=9``, which names no file, may be meant for."""
 
 
@@ -231,19 +227,11 @@ def test_lines_are_found() -> None:
 @pytest.mark.parametrize(
     "line",
     [
-        "waybound solve demo-c25 --solver nobody",
-        "waybound solve demo-c25 --fast",
-        "waybound solve demo-c25 --set nothing=1",
-        "waybound solve demo-c25 --solver lapjv",
-        "waybound generate sata --set robbots=3 --out x.json",
-        "waybound run tracking --policy nobody",
-        "waybound ratio nothing",
-        "waybound report nothing",
-        "--set objective=mini-mix",
-        "--option nothing=1",
-        "--heuristic nobody",
-        "--fast",
+        "waybound solve demo-c25 --solver nobody", "waybound solve demo-c25 --fast", "waybound solve demo-c25 --set nothing=1",
+        "waybound solve demo-c25 --solver lapjv", "waybound generate sata --set robbots=3 --out x.json",
+        "waybound run tracking --policy nobody", "waybound ratio nothing", "waybound report nothing", "--set objective=mini-mix",
+        "--option nothing=1", "--heuristic nobody", "--fast",
     ],
-)
+)  # fmt: skip
 def test_wrong_lines_are_seen(line: str, folder: Path) -> None:
     assert checked(line, folder, {}) is not None

@@ -63,8 +63,7 @@ def test_every_command_and_option_is_told() -> None:
 
 
 def test_every_heuristic_stands_beside_its_guarantee() -> None:
-    page = guarantees_page.page()
-    told = {(row[0], row[2]) for row in cells(page)}
+    told = {(row[0], row[2]) for row in cells(guarantees_page.page())}
     assert not [h.name for h in HEURISTICS.values() if (f"`{h.name}`", plain(h.stated).replace("|", "\\|")) not in told]
 
 

@@ -4,6 +4,7 @@ from pathlib import Path
 
 import pandas as pd
 import pytest
+from file_cases import check_refused
 
 import waybound as wb
 from waybound.formulations import answer_tables
@@ -39,10 +40,8 @@ def test_a_workbook_comes_back_and_runs_no_formula() -> None:
 
 @pytest.mark.parametrize(("text", "message"), [("vehicle,site,position\nv,a,first\n", "column position must hold numbers")])
 def test_broken_tables_are_refused(text: str, message: str) -> None:
-    with pytest.raises(InputError, match=message):
-        frame_of(text)
-    with pytest.raises(InputError, match=r"a\.xlsx: is no workbook"):
-        first_sheet("a.xlsx", b"PK\x03\x04 no more")
+    check_refused(InputError, message, frame_of, text)
+    check_refused(InputError, r"a\.xlsx: is no workbook", first_sheet, "a.xlsx", b"PK\x03\x04 no more")
 
 
 def test_without_openpyxl_the_cure_is_said(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -48,17 +48,12 @@ def test_an_answer_to_other_data_is_read_with_a_note(solution, tmp_path):
 @pytest.mark.parametrize(
     ("text", "says"),
     [
-        ('{"answer": null}', "no answer"),
-        ('{"answer": {"kind": "prices"}}', "routing"),
-        ('{"kind": "routes", "routes": [{"visits": ["nowhere"]}]}', "nowhere"),
-        ('{"kind": "routes"', "JSON"),
-        ("", "empty"),
-        ("hello", "no solution file"),
-        ('{"a": 1}', "JSON, but no solution"),
-        ('{"waybound": 1, "kind": "routing"}', "JSON, but no solution"),
-        ('{"kind": NaN}', "JSON"),
+        ('{"answer": null}', "no answer"), ('{"answer": {"kind": "prices"}}', "routing"),
+        ('{"kind": "routes", "routes": [{"visits": ["nowhere"]}]}', "nowhere"), ('{"kind": "routes"', "JSON"), ("", "empty"),
+        ("hello", "no solution file"), ('{"a": 1}', "JSON, but no solution"),
+        ('{"waybound": 1, "kind": "routing"}', "JSON, but no solution"), ('{"kind": NaN}', "JSON"),
     ],
-)
+)  # fmt: skip
 def test_a_file_that_is_no_answer_is_refused_by_name(solution, tmp_path, text, says):
     path = tmp_path / "bad.json"
     path.write_text(text)

@@ -12,7 +12,7 @@ from programs import program
 import waybound as wb
 from waybound import Check, CheckFailedError, InputError, Reward, Routes, RoutingProblem, Travel, UsageError, Vehicles, Violation
 from waybound.formulations.arrays.problem import ArrayProblem
-from waybound.formulations.certificate import SHOWN_VIOLATIONS, Certificate, certificate_lines, certify, check_certificate
+from waybound.formulations.certificate import SHOWN_VIOLATIONS, Certificate, certificate_lines, certify, check_certificate, gap_line
 from waybound.formulations.evidence import CHECKERS, Evidence, Guarantee
 from waybound.formulations.stop import Stop
 from waybound.formulations.verified_bounds import verified_bound
@@ -152,13 +152,10 @@ def test_a_proof_of_infeasibility_survives_the_file():
 @pytest.mark.parametrize(
     ("change", "message"),
     [
-        ({"bound": 14.5}, "states the bound"),
-        ({"evidence": []}, "states the bound"),
-        ({"objective": 13.0}, "states the objective"),
-        ({"objective": [14.0, 1.0]}, "states the objective"),
-        ({"infeasible": True}, "no answer"),
+        ({"bound": 14.5}, "states the bound"), ({"evidence": []}, "states the bound"), ({"objective": 13.0}, "states the objective"),
+        ({"objective": [14.0, 1.0]}, "states the objective"), ({"infeasible": True}, "no answer"),
     ],
-)
+)  # fmt: skip
 def test_a_file_that_states_more_than_it_proves_fails(change, message):
     problem = square()
     data = written(problem, TOUR, spanning_tree_bound(problem, Stop(60.0)))
@@ -269,12 +266,9 @@ def test_a_ray_gives_way_to_an_answer_that_breaks_rows_by_no_more_than_a_check_l
 
 
 def test_of_several_levels_the_text_says_of_which_one_gap_and_ratio_are():
-    from waybound.formulations.certificate import gap_line
-
     assert gap_line(10.0, 9.0, 0.1).text == "10 %"
     assert gap_line([4.0, 110.0], [4.0, 100.0], 0.1).text == "10 % at level 2"
     assert gap_line([5.0, 110.0], [4.0, None], 0.25, ", against the verified bound").text == "25 % at level 1, against the verified bound"
     problem = wb.read("demo-tiny", objective="vehicles then total-cost")
     solution = wb.solve(problem, heuristic="insertion", bound_time=0)
-    told = str(replace(solution.certificate, observed_ratio=1.0))
-    assert "at most 1 at level 1, observed" in told
+    assert "at most 1 at level 1, observed" in str(replace(solution.certificate, observed_ratio=1.0))

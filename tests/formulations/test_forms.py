@@ -97,7 +97,6 @@ def text_to_text(name: str, tests: Path = TESTS) -> str | None:
     """What is missing for a form to have a test from text to text where its module is mirrored; None if nothing is."""
     build = FORMS[name].build
     module = inspect.getmodule(getattr(build, "func", build))
-    assert module is not None
     path = tests.joinpath(*module.__name__.split(".")[1:-1]) / f"test_{module.__name__.rsplit('.', 1)[1]}.py"
     wanted = f"test_{name.replace('-', '_')}_from_text_to_text"
     if not path.is_file():

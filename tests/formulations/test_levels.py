@@ -74,8 +74,7 @@ def test_only_levels_of_vehicles_alone_limit_the_fleet() -> None:
 def solved() -> tuple[Any, Any, Any]:
     """A problem of two levels, the evaluation of an optimum, and its certificate with a bound of each level."""
     problem = replace(plane(1, 4, 10.0), objective=Objective.of(Vehicles().then(TotalCost())))
-    solution = wb.solve(problem, "cpsat", bound_time=0.0)
-    evaluation = solution.evaluation
+    evaluation = wb.solve(problem, "cpsat", bound_time=0.0).evaluation
     first, second = vehicles_needed(problem), spanning_tree_bound(problem.given(evaluation.values[:1]))
     found = best_level_bound(problem, evaluation.values[:1], evaluation, [second])
     return problem, evaluation, with_levels(certify(problem, evaluation, [first]), evaluation, [found])
@@ -92,8 +91,7 @@ def test_a_bound_of_the_second_level_is_verified_and_gives_the_gap(solved: Any) 
 def test_a_certificate_file_holds_the_levels_and_is_verified_again(solved: Any) -> None:
     problem, evaluation, certificate = solved
     data = certificate.to_json(with_evidence=True)
-    made = check_certificate(problem, data, evaluation)
-    assert made.levels[0].bound == certificate.levels[0].bound
+    assert check_certificate(problem, data, evaluation).levels[0].bound == certificate.levels[0].bound
     assert check_certificate(problem, data, None).levels[0].given == evaluation.values[:1]
     assert "evidence" not in certificate.to_json()["levels"][0]
 

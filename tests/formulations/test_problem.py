@@ -1,5 +1,6 @@
 import pytest
-from coded import coded
+from coded import check_coded, coded
+from file_cases import check_refused
 
 import waybound as wb
 from waybound.formulations.problem import Problem, problem_from_instance
@@ -34,16 +35,17 @@ def test_text_that_is_no_json_is_refused_with_its_first_line():
 
 
 GENERATED = {
-    "solomon": {"customers": 5},
-    "uchoa": {"customers": 6},
-    "random": {"customers": 4},
-    "sata": {"robots": 3, "targets": 8, "phi": 30},
-}
+    "solomon": {"customers": 5}, "uchoa": {"customers": 6}, "random": {"customers": 4}, "sata": {"robots": 3, "targets": 8, "phi": 30},
+}  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    "kind", ["assignment", "coverage", "orchard-day", "prm-graph", "risk-allocation", "risky-grid", "robot-tasks", *GENERATED]
-)
+KINDS = (
+    "assignment", "coverage", "exploration-map", "generalised-assignment", "joint-assignment", "orchard-day", "prm-graph",
+    "risk-allocation", "risky-grid", "robot-tasks", *GENERATED,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", KINDS)
 def test_every_family_is_saved_and_read_back_as_the_same_problem(kind, tmp_path):
     instance = generate(kind, 3, **GENERATED.get(kind, {}))
     for name in instance.problems:
@@ -51,11 +53,8 @@ def test_every_family_is_saved_and_read_back_as_the_same_problem(kind, tmp_path)
         problem.save(tmp_path / "p.json")
         again = wb.read(tmp_path / "p.json")
         assert (again.digest(), again.problem, again.senses, again.name) == (
-            problem.digest(),
-            problem.problem,
-            problem.senses,
-            problem.name,
-        )
+            problem.digest(), problem.problem, problem.senses, problem.name,
+        )  # fmt: skip
 
 
 SET = [
@@ -77,10 +76,8 @@ def test_what_a_problem_was_set_to_is_saved_with_it_and_may_be_set_anew(kind, se
 
 def test_what_has_no_file_says_so(tmp_path):
     own = wb.SubmodularSelection(wb.UserFunction(lambda chosen: chosen.any(axis=1).astype(float), 2), wb.Cardinality(1))
-    with pytest.raises(wb.InputError, match="the function user cannot be written to a file"):
-        own.save(tmp_path / "p.json")
-    with pytest.raises(wb.UsageError, check=coded("unknown-name")):
-        wb.read("cover-30").save(tmp_path / "p.xyz")
+    check_refused(wb.InputError, "the function user cannot be written to a file", own.save, tmp_path / "p.json")
+    check_coded(wb.UsageError, "unknown-name", wb.read("cover-30").save, tmp_path / "p.xyz")
     assert not list(tmp_path.iterdir())
 
 

@@ -35,16 +35,12 @@ def test_what_is_meant_where_it_is_clear(given: list[Any], names: dict[str, int]
 @pytest.mark.parametrize(
     ("given", "names", "says"),
     [
-        (["d"], LETTERS, "there is no site 'd'"),
-        ([0, 3], LETTERS, "there is no site 0|there is no site 3"),
-        ([-1], FROM_0, "there is no site -1"),
-        ([0, 3], FROM_1, "there is no site 0"),
-        ([True], LETTERS, "a site is given by its name or its index, not by True"),
-        ([1.0], LETTERS, "not by 1.0"),
-        ([[1]], LETTERS, r"not by \[1\]"),
-        ([None], LETTERS, "not by None"),
+        (["d"], LETTERS, "there is no site 'd'"), ([0, 3], LETTERS, "there is no site 0|there is no site 3"),
+        ([-1], FROM_0, "there is no site -1"), ([0, 3], FROM_1, "there is no site 0"),
+        ([True], LETTERS, "a site is given by its name or its index, not by True"), ([1.0], LETTERS, "not by 1.0"),
+        ([[1]], LETTERS, r"not by \[1\]"), ([None], LETTERS, "not by None"),
     ],
-)
+)  # fmt: skip
 def test_what_is_not_clear_is_refused(given: list[Any], names: dict[str, int], says: str) -> None:
     with pytest.raises(UsageError, match=says):
         indices_of(given, names, "site")

@@ -25,6 +25,4 @@ def test_labels_and_texts_are_printable_and_no_longer_than_people_read():
 
 
 def test_no_number_is_minus_nothing() -> None:
-    from waybound.formulations.rendering import number
-
     assert number(-0.0) == "0" and number([-0.0, 1.5]) == "0 then 1.5"

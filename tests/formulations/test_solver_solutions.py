@@ -5,6 +5,7 @@ from typer.testing import CliRunner
 
 import waybound as wb
 from waybound.cli.app import app
+from waybound.formulations.forms import FORMS
 from waybound.formulations.programs.solution_files import SolverFile
 from waybound.formulations.solver_solutions import answer_of_solver
 
@@ -47,8 +48,6 @@ def test_the_command_line_takes_it_and_says_whose_it_is(file: Path) -> None:
 
 
 def test_a_problem_without_forms_says_so(registered) -> None:
-    from waybound.formulations.forms import FORMS
-
     problem = wb.read("demo-tiny")
     for name in problem.forms():
         from dataclasses import replace

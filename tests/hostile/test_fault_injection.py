@@ -222,18 +222,8 @@ def test_evidence_that_a_heuristic_cannot_make_leaves_its_answer(heuristic: str,
 def test_an_interrupt_at_any_line_after_the_search_costs_no_answer(engine: Any, tally: Any) -> None:
     name, line, met = engine(), 0, True
     names = (
-        "_verdict",
-        "last_word",
-        "_consider",
-        "hear",
-        "best",
-        "_certified",
-        "_gather",
-        "certify",
-        "_best_bound",
-        "_status",
-        "_versions",
-    )
+        "_verdict", "last_word", "_consider", "hear", "best", "_certified", "_gather", "certify", "_best_bound", "_status", "_versions",
+    )  # fmt: skip
     while met:
         line += 1
         with InterruptAt(names, line) as interrupt:

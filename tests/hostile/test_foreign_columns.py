@@ -24,21 +24,8 @@ def _words(text: str) -> frozenset[str]:
 OWN = _words("id x y lat lon demand pickup ready due service reward required penalty depot skills latitude longitude lng long")
 """Titles that count, in any case, written down here once more."""
 PLAIN = (
-    "colour",
-    "address",
-    "phone",
-    "opening remarks",
-    "Street",
-    "zip",
-    "comment",
-    "e-mail",
-    "zone",
-    "km from town",
-    "who",
-    "Ä",
-    "x2",
-    "7",
-)
+    "colour", "address", "phone", "opening remarks", "Street", "zip", "comment", "e-mail", "zone", "km from town", "who", "Ä", "x2", "7",
+)  # fmt: skip
 """Titles that nobody means anything by."""
 FOREIGN = {table: [name for names in (*OURS[table].values(), *ELSEWHERE[table].values()) for name in names.split()] for table in OURS}
 WORDS = sorted(UNITS - {"section", "m3"})

@@ -2,6 +2,7 @@
 
 import copy
 import json
+import os
 import random
 import re
 import time
@@ -217,22 +218,9 @@ def _document_mutated(text: str, rng: random.Random) -> str:
             for _ in range(rng.choice((1, 30, 60, 400))):
                 deep = [deep] if rng.random() < 0.5 else {"a": deep}
             odd = (
-                None,
-                True,
-                "",
-                "x" * 5000,
-                -1,
-                0.5,
-                10**30,
-                1e308,
-                [],
-                {},
-                [part[key]],
-                {"kind": part[key]},
-                deep,
-                list(range(3000)),
+                None, True, "", "x" * 5000, -1, 0.5, 10**30, 1e308, [], {}, [part[key]], {"kind": part[key]}, deep, list(range(3000)),
                 [[]] * 50,
-            )
+            )  # fmt: skip
             part[key] = copy.deepcopy(rng.choice(odd))
             break
         part = part[key]
@@ -250,8 +238,7 @@ def read(kind: str, base: str, path: Path) -> None:
         return
     problem = problems()[base]
     if kind == "solution":
-        found = read_answer(problem, path)
-        made = certify(problem, problem.evaluate(found.answer))
+        made = certify(problem, problem.evaluate(read_answer(problem, path).answer))
     else:
         made = check_certificate(problem, read_certificate(path), problem.evaluate(an_answer(problem)))
     lines = certificate_lines(made)
@@ -306,8 +293,6 @@ def test_no_mutated_file_does_harm(part: int, share: Callable[[int, int], int], 
 
 @pytest.mark.parametrize("name", ["/dev/stdin", "/dev/zero", "pipe", ".", "missing", "\x1b[2J"])
 def test_a_matrix_is_read_from_a_plain_file_alone(name: str, tmp_path: Path) -> None:
-    import os
-
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "a.csv").write_text(f"# matrix: {name}\nid,x,y\n0,0,0\n1,3,4\n")
     with pytest.raises(InputError, match="matrix"):

@@ -91,7 +91,6 @@ def cases() -> list[tuple[Problem, float | None, str]]:
 def apart(problem: RoutingProblem) -> tuple[Problem, float | None, Evidence]:
     """A tree of statements on visits whose leaves keep types of vehicle apart."""
     values = best_values(problem)
-    assert values is not None
     told = prices_tree(problem, values[0])
     tree = [{"branch": node["branch"]} if "branch" in node else node for node in told]
     evidence = Evidence("branching-tree", "by hand", 0.0, {"nodes": tree})
@@ -368,52 +367,24 @@ def deep(data: Data, rng: random.Random) -> bool:
 
 
 LIES: dict[str, Lie] = {
-    "a leaf is lost": lost_leaf,
-    "a branching is lost": lost_branching,
-    "a leaf too many": one_leaf_more,
-    "all leaves are open": opened_leaves,
-    "a bound is rounded up": rounded_up,
-    "no answer, it says": said_to_be_infeasible,
-    "a branching skips": skipping_branch,
-    "a branching at a half": fractional_branch,
-    "a tree in a tree": nested,
-    "an unknown kind": unknown_kind,
-    "too deep": deep,
-    "half a memory": forgotten_nobody,
-    "rows that pay": with_rows_that_pay,
-    "rows that are forgotten": with_forgotten_rows,
-    "rows of depots": with_rows_of_depots,
-    "rows of no weight": with_rows_of_no_weight,
-    "half a set of moves": half_a_set,
-    "visits by nobody": visits_by_nobody,
-    "visits to nobody": visits_to_nobody,
-    "half apart": half_apart,
-    "NaN": one_number(math.nan),
-    "infinity": one_number(math.inf),
-    "overflow": one_number(10**400),
-    "a text": one_number("1"),
-    "true": one_number(True),
-    "null": one_number(None),
-    "a list": one_number([1.0]),
-}
+    "a leaf is lost": lost_leaf, "a branching is lost": lost_branching, "a leaf too many": one_leaf_more,
+    "all leaves are open": opened_leaves, "a bound is rounded up": rounded_up, "no answer, it says": said_to_be_infeasible,
+    "a branching skips": skipping_branch, "a branching at a half": fractional_branch, "a tree in a tree": nested,
+    "an unknown kind": unknown_kind, "too deep": deep, "half a memory": forgotten_nobody, "rows that pay": with_rows_that_pay,
+    "rows that are forgotten": with_forgotten_rows, "rows of depots": with_rows_of_depots, "rows of no weight": with_rows_of_no_weight,
+    "half a set of moves": half_a_set, "visits by nobody": visits_by_nobody, "visits to nobody": visits_to_nobody, "half apart": half_apart,
+    "NaN": one_number(math.nan), "infinity": one_number(math.inf), "overflow": one_number(10**400), "a text": one_number("1"),
+    "true": one_number(True), "null": one_number(None), "a list": one_number([1.0]),
+}  # fmt: skip
 """What must be refused wherever it can be told."""
 
 HARMLESS: dict[str, Lie] = {
-    "signs turned": changed_numbers(lambda v: -v),
-    "ten times as much": changed_numbers(lambda v: 10.0 * v),
-    "next to nothing": changed_numbers(lambda v: 1e-300 * v),
-    "next to infinity": changed_numbers(lambda v: 1e300 * v),
-    "sides swapped": swapped_sides,
-    "one for all": same_evidence_everywhere,
-    "rays that are none": rays_everywhere,
-    "other memories": fewer_remembered,
-    "rows and loads": with_rows,
-    "a least walk": claimed_least,
-    "sets of moves": sets_of_moves,
-    "apart or together": all_apart,
-    "other visits": other_visits,
-    "a branching and a leaf are lost": lost_subtree,
-}
+    "signs turned": changed_numbers(lambda v: -v), "ten times as much": changed_numbers(lambda v: 10.0 * v),
+    "next to nothing": changed_numbers(lambda v: 1e-300 * v), "next to infinity": changed_numbers(lambda v: 1e300 * v),
+    "sides swapped": swapped_sides, "one for all": same_evidence_everywhere, "rays that are none": rays_everywhere,
+    "other memories": fewer_remembered, "rows and loads": with_rows, "a least walk": claimed_least, "sets of moves": sets_of_moves,
+    "apart or together": all_apart, "other visits": other_visits, "a branching and a leaf are lost": lost_subtree,
+}  # fmt: skip
 """What may prove something, though never anything false."""
 
 

@@ -11,9 +11,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from patience import HANG
 from scipy.optimize import linprog, minimize_scalar
 from scipy.special import ndtri
-from truth.routing import best_values
+from truth.routing import RoutingTruth, best_values
 
 import waybound as wb
 from waybound import Allocation, BottleneckSATA, Evaluation, MaxMinLP, Problem, Selection, Sites, Travel, VehicleType, WinnerTakesAllSATA
@@ -26,6 +27,7 @@ from waybound.formulations.routing.fleet_need import _small_groups, fleet_confli
 from waybound.formulations.stop import Stop
 from waybound.instances.document import parse_json
 from waybound.instances.errors import CheckFailedError, InputError, UsageError
+from waybound.solvers.bounds import BOUNDS
 from waybound.solvers.bounds.routing import branch_price_cut
 from waybound.solving.bounding import find_bounds
 
@@ -66,7 +68,7 @@ class Case:
 
 def _cases_of(problem: Problem, best: float | None, answers: list[Any], *further: Evidence, look: bool = True) -> list[Case]:
     """A certificate for each piece of evidence that is found, with each of the answers in turn and with none."""
-    evidence = [*(find_bounds(problem, 0.5) if look else ()), *further]
+    evidence = [*(find_bounds(problem, HANG) if look else ()), *further]
     judged = [None, *(problem.evaluate(answer) for answer in answers)]
     made = []
     for k, piece in enumerate(evidence):
@@ -82,16 +84,12 @@ def _cases_of(problem: Problem, best: float | None, answers: list[Any], *further
 def _routing(features: tuple[str, ...] = FEATURES) -> list[Case]:
     cases = []
     for feature in features:
-        problem, truth = next(
-            (p, best) for p in (small(feature, seed, "exact") for seed in range(20)) if (best := best_values(p)) is not None
-        )
-        first = [[c] for c in problem.customers.tolist()]
-        good = wb.solve(problem, time_limit=0.3, iterations=200, bound_time=0).answer
-        cases += _cases_of(problem, truth[0], [good, wb.Routes.of(first[:2])])
+        truth = next(truth for truth in (RoutingTruth(small(feature, seed, "exact")) for seed in range(20)) if truth.best is not None)
+        problem, first = truth.problem, [[c] for c in truth.problem.customers.tolist()]
+        cases += _cases_of(problem, float(truth.best[0]), [truth.samples[0], wb.Routes.of(first[:2])])
     mixed = small("heterogeneous-fleet", 0, "exact")
-    truth = best_values(mixed)
-    assert truth is not None
-    cases += _cases_of(mixed, truth[0], [], Evidence("all-routes", "all routes", truth[0], {}), look=False)
+    best = best_values(mixed)[0]
+    cases += _cases_of(mixed, best, [], Evidence("all-routes", "all routes", best, {}), look=False)
     cases += _listed()
     tour = wb.RoutingProblem(
         Sites.of("oabc", demand=[0, 1, 1, 1]), Travel("euclidean", [(0, 0), (3, 0), (3, 4), (0, 4)]), (VehicleType(count=1),), problem="tsp"
@@ -112,11 +110,9 @@ def _listed() -> list[Case]:
         patch.setattr(branch_price_cut.Tree, "_hopeless", lambda self, node, part, solved: None)
         for seed in range(30):
             problem = plane(seed, 7, 17.0)
-            evidence = branch_price_cut.branch_price_cut_bound(problem, Stop(60.0))
+            evidence = branch_price_cut.branch_price_cut_bound(problem, Stop(HANG))
             if evidence is not None and evidence.kind == "enumerated-routes":
-                truth = best_values(problem)
-                assert truth is not None
-                return _cases_of(problem, truth[0], [], evidence, look=False)
+                return _cases_of(problem, best_values(problem)[0], [], evidence, look=False)
     raise AssertionError("none of thirty problems is proved over listed routes")
 
 
@@ -234,9 +230,9 @@ def _late() -> list[Case]:
     cases = []
     for feature in ("route-risk", "team-risk"):
         made = (small_routing.varied(feature, seed) for seed in range(60))
-        asked = (p for p in made if any(piece.kind == "deviation-chord" for piece in find_bounds(p, 0.3)))
-        problem, truth = next((p, best) for p in asked if (best := best_values(p)) is not None)
-        cases += _cases_of(problem, truth[0], [wb.Routes.of([[c] for c in problem.customers.tolist()])])
+        asked = (p for p in made if BOUNDS["deviation-chord"].evidence(p, Stop(HANG), None, None) is not None)
+        problem, best = next((p, best) for p in asked if (best := best_values(p)) is not None)
+        cases += _cases_of(problem, best[0], [wb.Routes.of([[c] for c in problem.customers.tolist()])])
     return cases
 
 

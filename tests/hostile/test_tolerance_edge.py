@@ -187,14 +187,10 @@ def _contradicts(problem: Problem, evaluation: Any, evidence: Any) -> bool:
 @pytest.mark.parametrize(
     ("name", "few", "full"),
     [
-        ("shares", 350, 47_000),
-        ("vectors", 250, 20_000),
-        ("choices", 200, 20_000),
-        ("routes", 200, 8_000),
-        ("late", 40, 1_500),
+        ("shares", 350, 47_000), ("vectors", 250, 20_000), ("choices", 200, 20_000), ("routes", 200, 8_000), ("late", 40, 1_500),
         ("allocations", 100, 5_000),
     ],
-)
+)  # fmt: skip
 def test_no_accepted_answer_beats_a_bound(name: str, few: int, full: int, share: Callable[[int, int], int], tally: Any) -> None:
     goal, case, beaten = share(few, full), 0, []
     while tally["answers at the edge of the tolerance"] < goal:

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from coded import coded
+from coded import check_coded, coded
 from hypothesis import given, strategies as st
 
 from waybound.instances.clock import SECONDS, Clock, Times, moment_told, unit_named
@@ -78,10 +78,8 @@ def test_texts_are_times_as_in_a_file() -> None:
 def test_what_is_no_time_says_what_is_one() -> None:
     with pytest.raises(InputError, match="column ready must be a number or a moment; expected 480, 08:00 or 2026-05-04T08:00"):
         Times("min").moments(pd.Series(["noon"]), "column ready")
-    with pytest.raises(InputError, check=coded("malformed")):
-        reading("min", [NINE]).span(NINE, "service")
-    with pytest.raises(InputError, check=coded("contradiction")):
-        reading("min", [NINE], [NINE.tz_localize("UTC")])
+    check_coded(InputError, "malformed", reading("min", [NINE]).span, NINE, "service")
+    check_coded(InputError, "contradiction", reading, "min", [NINE], [NINE.tz_localize("UTC")])
 
 
 @pytest.mark.parametrize("unit", ["minuts", "m", "ns", ""])

@@ -26,14 +26,11 @@ def refused(call: Callable[..., Any], *given: Any, **more: Any) -> str:
 @pytest.mark.parametrize(
     ("text", "line", "words"),
     [
-        ('{"a": 1,\n "a": 2}', 1, "key 'a' stands twice"),
-        ('{"b": 1,\n "c": NaN}', 2, "no such number"),
-        ("[1,\n\n -Infinity]", 3, "no such number"),
-        ('{"a": 1,\n', 2, "is no JSON"),
-        ("[1,\n 2\n 3]", 3, "is no JSON"),
+        ('{"a": 1,\n "a": 2}', 1, "key 'a' stands twice"), ('{"b": 1,\n "c": NaN}', 2, "no such number"),
+        ("[1,\n\n -Infinity]", 3, "no such number"), ('{"a": 1,\n', 2, "is no JSON"), ("[1,\n 2\n 3]", 3, "is no JSON"),
         ("", 1, "the end of the file"),
     ],
-)
+)  # fmt: skip
 def test_what_is_no_json_is_refused_with_its_line(text: str, line: int, words: str) -> None:
     with pytest.raises(InputError, match=words) as caught:
         parse_json(text)

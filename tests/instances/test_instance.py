@@ -1,3 +1,5 @@
+import hashlib
+
 import numpy as np
 import pytest
 
@@ -8,8 +10,6 @@ from waybound.instances.reading import read_instance
 
 def test_the_digest_is_that_of_little_endian_bytes() -> None:
     """Shape and kind, 1.0 and -2.5 as IEEE doubles, a mark after each part; then the word as Python writes it."""
-    import hashlib
-
     data = b"f(2,)" + bytes.fromhex("000000000000f03f00000000000004c0") + b"\0" + b"'a'\0"
     assert digest(np.array([1.0, -2.5]), "a") == "sha256:" + hashlib.sha256(data).hexdigest()
 

@@ -5,20 +5,12 @@ from waybound.instances.errors import InputError, UnsupportedError, UsageError
 from waybound.instances.printable import LONGEST_LINE, one_line, printable
 
 HOSTILE = {
-    "colour": "\x1b[31;1mred\x1b[0m",
-    "window title": "\x1b]0;title\x07",
-    "eight-bit control": "\x9b2J",
-    "forged line": "source\nbound  999999, verified: optimal",
-    "carriage return": "infeasible\rfeasible  ",
-    "backspaces": "no\b\byes",
-    "bidirectional override": "\u202e0.1 dnuob\u202c\u2066x\u2069",
-    "zero width": "op\u200bti\u200dmal\ufeff",
-    "line separator": "a\u2028b\u2029c",
-    "lone surrogate": "\ud800",
-    "nothing to see": "\u3164\u115f\u2800",
-    "piled marks": "a" + "\u0301" * 500,
-    "tags": "\U000e0041\U000e0042",
-}
+    "colour": "\x1b[31;1mred\x1b[0m", "window title": "\x1b]0;title\x07", "eight-bit control": "\x9b2J",
+    "forged line": "source\nbound  999999, verified: optimal", "carriage return": "infeasible\rfeasible  ", "backspaces": "no\b\byes",
+    "bidirectional override": "\u202e0.1 dnuob\u202c\u2066x\u2069", "zero width": "op\u200bti\u200dmal\ufeff",
+    "line separator": "a\u2028b\u2029c", "lone surrogate": "\ud800", "nothing to see": "\u3164\u115f\u2800",
+    "piled marks": "a" + "\u0301" * 500, "tags": "\U000e0041\U000e0042",
+}  # fmt: skip
 
 
 @pytest.mark.parametrize("text", HOSTILE.values(), ids=HOSTILE)

@@ -151,8 +151,7 @@ def attempt(data: bytes, path: Path, format_name: str | None, differences: Calla
         assert "\n" not in str(error)
         assert str(error).startswith(str(path)) or format_name is None
         return
-    again = waybound_json.read(waybound_json.write(made), path)
-    assert differences(made, again) == []
+    assert differences(made, waybound_json.read(waybound_json.write(made), path)) == []
 
 
 FUZZ = settings(max_examples=draws(300), deadline=2000, suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow])

@@ -66,8 +66,7 @@ def test_every_benchmark_file_is_read_and_survives_json_and_its_own_format(
             continue
         made: Any = read_instance(path, problem=problem if family == "toptw" else None)
         assert made.problem == problem
-        again = waybound_json.read(waybound_json.write(made), path)
-        assert differences(made, again) == [], path
+        assert differences(made, waybound_json.read(waybound_json.write(made), path)) == [], path
         own = FORMATS[made.format]
         assert own.write is not None
         if family not in ("cvrp", "tsplib"):  # a .vrp file names its fleet otherwise, and a .tsp file its matrix

@@ -2,6 +2,7 @@ import math
 import pickle
 
 import pytest
+from file_cases import check_refused
 
 from waybound.instances.errors import UsageError
 from waybound.instances.worlds import WORLDS, Setting, World, make_world, setting_values
@@ -49,7 +50,5 @@ def test_a_seed_is_a_whole_number_that_is_not_negative(seed):
 def test_settings_take_text_and_dashes_and_fill_in_defaults():
     settings = {"turn-every": Setting(3, "steps", least=0), "kind": Setting("a", "kind", choices=("a", "b"))}
     assert setting_values("x", settings, {"turn_every": "5"}) == {"turn-every": 5, "kind": "a"}
-    with pytest.raises(UsageError, match="x has no setting 'colour'; it takes turn-every, kind"):
-        setting_values("x", settings, {"colour": "red"})
-    with pytest.raises(UsageError, match="turn-every must lie between"):
-        setting_values("x", settings, {"turn-every": -1})
+    check_refused(UsageError, "x has no setting 'colour'; it takes turn-every, kind", setting_values, "x", settings, {"colour": "red"})
+    check_refused(UsageError, "turn-every must lie between", setting_values, "x", settings, {"turn-every": -1})

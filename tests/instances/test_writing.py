@@ -3,6 +3,7 @@ from pathlib import Path
 
 import pytest
 from coded import coded
+from file_cases import check_refused
 
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.generating import generate
@@ -60,10 +61,8 @@ def test_a_named_format_wins_over_the_suffix(tmp_path: Path, differences: Callab
 
 
 def test_what_cannot_be_expressed_leaves_no_file(tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match="cannot be written as solomon"):
-        write_instance(generate("uchoa", 1), tmp_path / "a.txt")
-    with pytest.raises(UsageError, match="cannot be written as vrplib"):
-        write_instance(generate("random", 1), tmp_path / "a.vrp")
+    check_refused(UsageError, "cannot be written as solomon", write_instance, generate("uchoa", 1), tmp_path / "a.txt")
+    check_refused(UsageError, "cannot be written as vrplib", write_instance, generate("random", 1), tmp_path / "a.vrp")
     assert list(tmp_path.iterdir()) == []
 
 

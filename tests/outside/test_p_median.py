@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from file_cases import check_refused
 
 import waybound as wb
 from waybound.extending import CHECKERS, FORMS, KINDS, PLOTS, PROBLEMS, Evidence, InputError, UsageError, verified_bound
@@ -106,10 +107,8 @@ def test_what_it_writes_it_reads(made: ModuleType, tmp_path: Path) -> None:
     solution.save(tmp_path / "answer.json")
     assert wb.judge(problem, tmp_path / "answer.json").objective == 11.0
     assert solution.plot().get_title(loc="left").startswith("villages")
-    with pytest.raises(InputError, match="cost"):
-        made.Places(cost=[[-1.0]])
-    with pytest.raises(UsageError, match="has no setting q"):
-        wb.read(tmp_path / "villages.json", q=3)
+    check_refused(InputError, "cost", made.Places, cost=[[-1.0]])
+    check_refused(UsageError, "has no setting q", wb.read, tmp_path / "villages.json", q=3)
 
 
 @pytest.mark.parametrize("shape", [*SHAPES, *BROKEN])

@@ -24,15 +24,10 @@ WINNERS = {
     (50, 30, 12): ((50.00, 0.0), (49.97, 0.2), (49.36, 0.79)),
 }
 BOTTLENECKS = {
-    (50, 15, 4): (0.0, 0.500, 0.500),
-    (50, 15, 8): (0.0, 0.509, 0.508),
-    (50, 15, 12): (0.47, 0.861, 0.739),
-    (50, 15, 16): (1.00, 1.192, 0.968),
-    (50, 15, 20): (1.45, 1.706, 1.344),
-    (50, 30, 4): (0.0, 0.505, 0.505),
-    (50, 30, 8): (0.99, 1.151, 0.978),
-    (50, 30, 12): (1.88, 2.149, 1.754),
-}
+    (50, 15, 4): (0.0, 0.500, 0.500), (50, 15, 8): (0.0, 0.509, 0.508), (50, 15, 12): (0.47, 0.861, 0.739),
+    (50, 15, 16): (1.00, 1.192, 0.968), (50, 15, 20): (1.45, 1.706, 1.344), (50, 30, 4): (0.0, 0.505, 0.505),
+    (50, 30, 8): (0.99, 1.151, 0.978), (50, 30, 12): (1.88, 2.149, 1.754),
+}  # fmt: skip
 HEIGHTS = {  # shares at h = 1, 2, 5, 8, and rounded; LP and ILP
     12: ((0.510, 0.743, 0.813, 0.826), (0.00, 0.03, 0.09, 0.11), 0.870, 0.48),
     16: ((0.665, 0.918, 1.016, 1.033), (0.02, 0.21, 0.17, 0.16), 1.121, 0.97),
@@ -58,7 +53,16 @@ def close(values, mean, slack):
     assert abs(values.mean() - mean) <= error + slack, f"{values.mean():.3f} against {mean}, {error:.3f} + {slack}"
 
 
-def check_winners(point, trials):
+def graphs(few, every):
+    """Two points of a table with 20 instances each, one of them slow, and all of it with 200, which takes long."""
+    return pytest.mark.parametrize(
+        ("point", "trials"),
+        [(few[0], 20), pytest.param(few[1], 20, marks=pytest.mark.slow), *(pytest.param(p, 200, marks=pytest.mark.long) for p in every)],
+    )
+
+
+@graphs([(50, 15, 8), (50, 30, 12)], WINNERS)
+def test_winner_takes_all_has_the_means_of_another_implementation(point, trials):
     found = measured("winner-takes-all", point, trials)
     for method, (mean, _) in zip(("exact", "greedy", "random"), WINNERS[point], strict=True):
         close(found[method], mean, 0.6)
@@ -66,35 +70,12 @@ def check_winners(point, trials):
     assert (2 * found["greedy"] >= found["exact"]).all()
 
 
-def check_bottlenecks(point, trials):
+@graphs([(50, 15, 12), (50, 30, 8)], BOTTLENECKS)
+def test_bottleneck_has_the_means_of_another_implementation(point, trials):
     found = measured("bottleneck", point, trials)
     for method, mean in zip(("ILP", "LP", "local"), BOTTLENECKS[point], strict=True):
         close(found[method], mean, 0.08)
     assert (found["ILP"] <= found["LP"] + 1e-9).all()
-
-
-@pytest.mark.share(2)
-@pytest.mark.parametrize("point", [(50, 15, 8), (50, 30, 12)])
-def test_winner_takes_all_has_the_means_of_another_implementation(point):
-    check_winners(point, 20)
-
-
-@pytest.mark.share(2)
-@pytest.mark.parametrize("point", [(50, 15, 12), (50, 30, 8)])
-def test_bottleneck_has_the_means_of_another_implementation(point):
-    check_bottlenecks(point, 20)
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("point", WINNERS)
-def test_winner_takes_all_has_the_means_of_another_implementation_over_200_instances(point):
-    check_winners(point, 200)
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("point", BOTTLENECKS)
-def test_bottleneck_has_the_means_of_another_implementation_over_200_instances(point):
-    check_bottlenecks(point, 200)
 
 
 @pytest.mark.long

@@ -8,6 +8,11 @@ from draws import draws
 from hypothesis import given, note, settings, strategies as st
 from ratio_strategies import assignments, bottlenecks, selections
 
+from waybound.formulations.evidence import Guarantee
+from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
+from waybound.formulations.sata.selections import Selection
+from waybound.heuristics.heuristic import Outcome
+from waybound.instances.sata.sensing_graph import graph_of_edges
 from waybound.reports.ratios.judged_runs import judge, run_heuristic
 from waybound.reports.ratios.optimum import optimum
 from waybound.reports.studies.sata.local import degrees
@@ -15,7 +20,6 @@ from waybound.reports.studies.sata.selections import SHARES, greedy_ratio
 from waybound.reports.studies.violations import instance_text
 
 SHORT = settings(max_examples=draws(80))
-FULL = settings(max_examples=draws(3000))
 
 THREE = ("cardinality", "partition", "knapsack")
 GROUPED = st.one_of(selections("cardinality", "partition"), assignments())
@@ -70,17 +74,11 @@ CLAIMS = {
 
 
 @pytest.mark.share(2)
+@pytest.mark.parametrize("examples", [draws(80), pytest.param(draws(3000), marks=pytest.mark.long)], ids=["some", "many"])
 @pytest.mark.parametrize("name", CLAIMS)
-def test_the_guarantee_holds_on_drawn_instances(name):
+def test_the_guarantee_holds_on_drawn_instances(name, examples):
     strategy, claim = CLAIMS[name]
-    SHORT(given(strategy)(claim))()
-
-
-@pytest.mark.long
-@pytest.mark.parametrize("name", CLAIMS)
-def test_the_guarantee_holds_on_many_drawn_instances(name):
-    strategy, claim = CLAIMS[name]
-    FULL(given(strategy)(claim))()
+    settings(max_examples=examples)(given(strategy)(claim))()
 
 
 @SHORT
@@ -94,8 +92,6 @@ def test_lazy_greedy_has_the_value_of_greedy(problem):
 @SHORT
 @given(bottlenecks())
 def test_shares_are_worth_at_least_as_much_as_whole_actions(problem):
-    from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-
     note(instance_text(problem))
     assert optimum(problem).value >= optimum(BottleneckSATA(problem.graph)).value * (1 - 1e-9)
 
@@ -103,10 +99,6 @@ def test_shares_are_worth_at_least_as_much_as_whole_actions(problem):
 @pytest.mark.slow
 def test_a_broken_guarantee_is_shrunk_and_printed_as_a_file():
     """A heuristic that takes the first elements and claims 1/2 is caught on an instance of two elements at most."""
-    from waybound.formulations.evidence import Guarantee
-    from waybound.formulations.sata.selections import Selection
-    from waybound.heuristics.heuristic import Outcome
-
     seen = {}
 
     @settings(max_examples=300, database=None)
@@ -127,9 +119,6 @@ def test_a_broken_guarantee_is_shrunk_and_printed_as_a_file():
 
 def test_weights_of_any_size_keep_the_optimum_two_sided():
     for spread in (1e-6, 1.0, 1e6):
-        from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-        from waybound.instances.sata.sensing_graph import graph_of_edges
-
         rng = np.random.default_rng(4)
         weights = spread * rng.lognormal(0, 2, 12)
         graph = graph_of_edges(np.repeat(np.arange(3), 2), np.repeat(np.arange(6), 2), np.tile(np.arange(2), 6), weights)

@@ -54,8 +54,7 @@ def test_costs_that_fall_with_the_risk_share_it_as_the_roots_of_their_weights(so
     found = solved(shared([1.0, 4.0, 9.0], "min", "second-order", [[1, 1], [-1, 1], [0, 0]], [0.0, 0.0, 2.0]), solver)
     assert found.objective is not None and found.objective / TOTAL == pytest.approx(300.0, rel=1e-6)
     assert TOTAL * found.answer[:3] == pytest.approx([0.02, 0.04, 0.06], abs=1e-5)
-    uniform = sum(weight / (TOTAL / 3.0) for weight in (1.0, 4.0, 9.0))
-    assert uniform == pytest.approx(350.0)
+    assert sum(weight / (TOTAL / 3.0) for weight in (1.0, 4.0, 9.0)) == pytest.approx(350.0)
 
 
 @pytest.mark.parametrize("solver", CONE_SOLVERS)
@@ -145,8 +144,7 @@ def test_the_quantile_of_equal_risks(many: int, quantile: float) -> None:
 @pytest.mark.parametrize(("many", "quantile"), [(4, 2.2340), (10, 2.5679), (100, 3.2834)])
 def test_the_quantile_of_equal_independent_risks(many: int, quantile: float) -> None:
     """Where the risks of independent noise multiply out to the total, each is 1 - (1 - total)^(1/N)."""
-    found = any_fails(np.full(many, quantile), np.eye(many))
-    assert found.value == pytest.approx(0.05, abs=2e-5 * many)
+    assert any_fails(np.full(many, quantile), np.eye(many)).value == pytest.approx(0.05, abs=2e-5 * many)
 
 
 @pytest.mark.share(2)

@@ -14,6 +14,7 @@ from waybound import BottleneckSATA, UnsupportedError, WinnerTakesAllSATA
 from waybound.formulations.certificate import check_certificate
 from waybound.formulations.programs.program import INTEGERS, LINEAR, QUADRATIC
 from waybound.formulations.verified_bounds import verified_bound
+from waybound.instances.sata.sensing_graph import graph_of_edges
 from waybound.solvers.backend import BACKENDS, Control, Options, RawResult
 from waybound.solvers.program_backend import takers
 
@@ -176,8 +177,6 @@ def test_solvers_that_run_apart_are_reached_through_solve(solver: str) -> None:
 
 def test_gap_family_has_an_unbounded_integrality_gap() -> None:
     for n in (2, 5, 9):
-        from waybound.instances.sata.sensing_graph import graph_of_edges
-
         graph = graph_of_edges(np.zeros(n, int), np.arange(n), np.arange(n))
         assert wb.solve(BottleneckSATA(graph, fractional=True), "highs", bound_time=0).objective == pytest.approx(1 / n)
         assert wb.solve(BottleneckSATA(graph), "highs", bound_time=0).objective == 0.0

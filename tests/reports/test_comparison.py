@@ -135,8 +135,6 @@ def test_what_a_search_claims_is_told_as_its_own_word(made: Comparison) -> None:
 
 
 def test_claims_that_another_answer_refutes_are_faults(made: Comparison, problem: wb.Problem) -> None:
-    from dataclasses import replace
-
     good, worse = made["highs"], made["savings"]
     assert good is not None and worse is not None and not made.faults
     lies = replace(worse, bound=0.5 * (good.objective + worse.objective), bound_kind="claimed", status="optimal")

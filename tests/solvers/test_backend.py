@@ -3,7 +3,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from coded import coded
+from coded import check_coded
+from file_cases import check_refused
 from programs import program
 
 from waybound import Evidence, MissingPackageError, UsageError
@@ -82,12 +83,9 @@ def test_an_answer_that_reaches_the_goal_stops_the_search_and_a_bound_does_not()
 def test_a_solver_is_named_with_or_without_one_within_it(registered: Any) -> None:
     registered(BACKENDS, "made", Made)
     assert solver_named("made").variant == "" and solver_named("made:fast").variant == "fast"
-    with pytest.raises(UsageError, match="names no solver within made; write made or made:NAME"):
-        solver_named("made:")
-    with pytest.raises(UsageError, match="solver highs has no variants, so highs:fast does not exist"):
-        solver_named("highs:fast")
-    with pytest.raises(UsageError, check=coded("unknown-name")):
-        solver_named("maid")
+    check_refused(UsageError, "names no solver within made; write made or made:NAME", solver_named, "made:")
+    check_refused(UsageError, "solver highs has no variants, so highs:fast does not exist", solver_named, "highs:fast")
+    check_coded(UsageError, "unknown-name", solver_named, "maid")
 
 
 def test_a_package_that_is_missing_is_named_with_what_to_install(registered: Any) -> None:

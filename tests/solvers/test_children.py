@@ -50,7 +50,6 @@ def test_a_child_ends_with_its_block() -> None:
 def test_what_a_child_has_started_ends_with_it() -> None:
     code = "import subprocess, sys, time; p = subprocess.Popen(['sleep', '60']); print(p.pid, flush=True); time.sleep(60)"
     with child([sys.executable, "-c", code], stdout=subprocess.PIPE) as process:
-        assert process.stdout is not None
         grandchild = int(process.stdout.readline())
         assert alive(grandchild)
         process.stdout.close()
@@ -93,7 +92,6 @@ def test_however_the_parent_ends_its_children_and_their_files_end_with_it(number
     script.write_text(textwrap.dedent(PARENT))
     environment = {**os.environ, "TMPDIR": str(private)}
     parent = subprocess.Popen([sys.executable, str(script)], stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, env=environment)
-    assert parent.stdout is not None
     pid, folder = parent.stdout.readline().split()
     assert Path(folder, "big.mps").exists()
     parent.send_signal(getattr(signal, number))

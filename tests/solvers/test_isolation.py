@@ -71,8 +71,7 @@ def test_programs_travel_and_come_back_as_vectors() -> None:
 def test_what_decodes_a_program_stays_here() -> None:
     made, decoded = small("time-windows", 1, "exact").compile(), []
     kept = dataclasses.replace(made, decode=lambda x: decoded.append(x) or made.decode(x))  # no function travels, and this one could not
-    solution = solve(kept, "highs", isolate=True, time_limit=20, bound_time=0)
-    assert solution.answer is not None and decoded
+    assert solve(kept, "highs", isolate=True, time_limit=20, bound_time=0).answer is not None and decoded
 
 
 def _program():

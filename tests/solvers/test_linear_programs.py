@@ -4,7 +4,7 @@ from typing import Any
 import numpy as np
 import pytest
 from oracles import OCTO_8, routing
-from programs import Counting, Patient, program
+from programs import AnsweredBy, Counting, Patient, program
 from random_sensing import optimum, random_graph
 
 from waybound import BottleneckSATA, Compiled, MissingPackageError, UnsupportedError, UsageError, WayboundError
@@ -150,8 +150,6 @@ def test_options_that_suit_one_solver_are_told_to_that_one_alone(registered: Any
 
 @pytest.mark.parametrize("duals", [np.array([np.nan, 0.0, 0.0]), np.array([np.inf, 0.0, 0.0]), None])
 def test_duals_that_are_no_numbers_are_none(duals: Any) -> None:
-    from programs import AnsweredBy
-
     assert AnsweredBy(lambda *_: duals).duals(SMALL) is None
 
 

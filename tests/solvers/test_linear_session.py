@@ -62,8 +62,7 @@ def test_bounds_that_cross_and_a_stop_that_is_reached_need_no_run() -> None:
 
 def test_a_limit_of_iterations_is_kept_and_the_next_run_goes_on() -> None:
     rng = np.random.default_rng(2)
-    p = program(-rng.random(40), rng.random((30, 40)), -math.inf, 10.0, 0.0, 1.0)
-    session = LinearSession(p)
+    session = LinearSession(program(-rng.random(40), rng.random((30, 40)), -math.inf, 10.0, 0.0, 1.0))
     assert session.solve(NEVER, 1).status == "iterations"
     assert session.solve(NEVER).status == "optimal"
 

@@ -1,6 +1,7 @@
 from typing import Any
 
 import pytest
+from file_cases import check_refused
 
 from waybound.instances.errors import UsageError
 from waybound.solvers.own_options import FEW, own_options
@@ -37,7 +38,5 @@ def test_of_many_options_the_closest_one_is_named() -> None:
     many = {f"mip_option_{k}": 1 for k in range(FEW)} | {"presolve": True}
     with pytest.raises(UsageError, match="S has no parameter 'presolv'; did you mean 'presolve'"):
         own_options("S", {"presolv": 1}, many, word="parameter")
-    with pytest.raises(UsageError, match=r"S has no option 'zzz'$"):
-        own_options("S", {"zzz": 1}, many)
-    with pytest.raises(UsageError, match="it takes none"):
-        own_options("S", {"zzz": 1}, {})
+    check_refused(UsageError, r"S has no option 'zzz'$", own_options, "S", {"zzz": 1}, many)
+    check_refused(UsageError, "it takes none", own_options, "S", {"zzz": 1}, {})

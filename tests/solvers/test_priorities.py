@@ -5,6 +5,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import scipy.sparse as sp
 from programs import program
 
 from waybound.formulations.programs.program import FurtherLevel, Program
@@ -122,7 +123,5 @@ def test_incumbents_of_later_levels_are_published_where_they_keep_the_first() ->
 
 
 def test_nothing_follows_a_quadratic_objective() -> None:
-    import scipy.sparse as sp
-
     with pytest.raises(UnsupportedError, match="levels of priority after a quadratic objective"):
         Highs().run(replace(levels(), quadratic=sp.identity(4, format="csr")), Options(), Control())

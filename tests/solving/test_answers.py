@@ -40,16 +40,11 @@ def told(problem: Problem, start: Any) -> Any:
 @pytest.mark.parametrize(
     "start",
     [
-        ANSWER,
-        [[1, 2], [3, 4]],
-        ((1, 2), (3, 4)),
-        [["a", "b"], ["c", "d"]],
-        [np.array([1, 2]), np.array([3, 4])],
-        [Route((1, 2)), Route((3, 4))],
-        {"kind": "routes", "routes": [{"visits": ["a", "b"]}, {"visits": ["c", "d"]}]},
+        ANSWER, [[1, 2], [3, 4]], ((1, 2), (3, 4)), [["a", "b"], ["c", "d"]], [np.array([1, 2]), np.array([3, 4])],
+        [Route((1, 2)), Route((3, 4))], {"kind": "routes", "routes": [{"visits": ["a", "b"]}, {"visits": ["c", "d"]}]},
         {"answer": {"kind": "routes", "routes": [{"visits": ["a", "b"]}, {"visits": ["c", "d"]}]}},
     ],
-)
+)  # fmt: skip
 def test_routes_may_be_given_as_lists_and_json(start: Any) -> None:
     assert told(square(), start) == ANSWER
 

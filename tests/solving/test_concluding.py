@@ -9,7 +9,7 @@ import pytest
 from patience import HANG
 
 from waybound import BinAssignment, CheckFailedError, Objective, Routes, RoutingProblem, TotalCost, read, solve
-from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult
+from waybound.solvers.backend import BACKENDS, Control, Options, RawResult
 from waybound.solvers.bounds import BOUNDS, BoundMethod
 from waybound.solving import concluding
 
@@ -59,8 +59,7 @@ def test_a_broken_claim_costs_neither_an_earlier_incumbent_nor_the_start(square:
 def test_the_better_of_start_and_answer_is_returned(square: RoutingProblem, engine_that: Any) -> None:
     worse = Routes.of([[1, 3], [2, 4]])
     engine = engine_that(lambda p, o, c: RawResult("feasible", answer=worse))
-    solution = solve(square, engine, start=Routes.of([[1, 2], [3, 4]]), bound_time=0)
-    assert solution.objective == 24.0
+    assert solve(square, engine, start=Routes.of([[1, 2], [3, 4]]), bound_time=0).objective == 24.0
 
 
 def test_bounds_are_verified_and_can_prove_optimality(square: RoutingProblem, engine_that: Any) -> None:
@@ -71,24 +70,16 @@ def test_bounds_are_verified_and_can_prove_optimality(square: RoutingProblem, en
     assert solution.bound_kind == "verified"
 
 
-def test_a_claimed_bound_ahead_of_a_proved_optimum_does_not_hide_the_proof(registered: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_claimed_bound_ahead_of_a_proved_optimum_does_not_hide_the_proof(says: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     """Costs that differ by less than a solver sees: its optimum is 1e-8 above the least, which the prices prove."""
-    answer, value = (0, 1), 2.0 + 2e-8
-
-    class Fake(Engine):
-        name, package, modules, summary, family = "short-sighted", "numpy", ("numpy",), "a fake", "bin-assignment"
-        features = frozenset(BACKENDS["lapjv"].features)
-
-        def run(self, problem: Any, options: Options, control: Control) -> RawResult:
-            return RawResult("optimal", answer=answer, objective=value, bound=value)
-
-    registered(BACKENDS, Fake.name, Fake)
+    said = RawResult("optimal", answer=(0, 1), objective=2.0 + 2e-8, bound=2.0 + 2e-8)
+    name = says(said, "short-sighted", family="bin-assignment", features=frozenset(BACKENDS["lapjv"].features))
     problem = BinAssignment.from_matrix([[1.0 + 2e-8, 1.0], [1.0, 1.0]])
     monkeypatch.setattr(concluding, "heard_opinions", lambda *_: [])
-    alone = solve(problem, Fake.name, bound_time=60.0)
+    alone = solve(problem, name, bound_time=60.0)
     assert (alone.status, alone.bound_kind, alone.certificate.bound) == ("optimal", "claimed", pytest.approx(2.0, rel=1e-12))
     assert "optimal according to short-sighted" in str(alone)
-    started = solve(problem, Fake.name, start=(1, 0), bound_time=60.0)
+    started = solve(problem, name, start=(1, 0), bound_time=60.0)
     assert (started.objective, started.bound_kind, started.faults) == (2.0, "verified", ())
     assert started.gap is not None and started.gap <= 1e-9
     assert "optimal: the verified bound meets the objective" in str(started)

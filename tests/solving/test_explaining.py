@@ -18,6 +18,7 @@ from waybound import Exactness, Program, Rows, Variables
 from waybound.formulations.evidence import CHECKERS, Evidence
 from waybound.formulations.forms import FORMS
 from waybound.formulations.verified_bounds import verified_bound
+from waybound.solvers.backend import Control
 from waybound.solving import explaining
 from waybound.solving.explaining import deletion_filter, explain, in_words
 
@@ -85,8 +86,6 @@ def random_row(rng, k):
 
 def test_every_row_kept_is_needed_on_random_infeasible_programs():
     """Drop any one row of the result and HiGHS finds a point; drop none and it finds none."""
-    from waybound.solvers.backend import Control
-
     rng = np.random.default_rng(8)
     explained = 0
     for _ in range(12):
@@ -178,8 +177,7 @@ def test_risks_that_no_allocation_keeps_are_named(changes, told):
 
 
 def test_risks_around_an_obstacle_are_told_side_by_side():
-    problem = risk_problems.around_a_box(lower=-0.5, upper=0.5)
-    made = explain(problem)
+    made = explain(risk_problems.around_a_box(lower=-0.5, upper=0.5))
     assert (made.verdict, made.evidence.kind) == ("infeasible", "branching-tree")
     assert re.fullmatch(
         r"if alternative \d of box is the safest: every decision gives chance constraint box a risk above 0.05, .*", made.proof[0]

@@ -15,6 +15,7 @@ from waybound.formulations.verdict import verdict_lines
 from waybound.solvers.backend import LevelClaim
 from waybound.solving import levels
 from waybound.solving.levels import bounds_of_levels
+from waybound.solving.recording import Recorder
 
 
 @pytest.fixture(scope="module")
@@ -92,7 +93,6 @@ def test_levels_are_bounded_while_they_are_closed_and_then_all_is_proved(problem
 def test_a_first_level_that_is_open_leaves_the_rest_alone(problem: Any, evaluation: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     from waybound.formulations.certificate import judged_only
     from waybound.solvers.linear_programs import LinearPrograms
-    from waybound.solving.recording import Recorder
 
     monkeypatch.setattr(levels, "bounded", lambda *a, **k: pytest.fail("not to be asked"))
     certificate = replace(judged_only(problem, evaluation), bound=1.0)

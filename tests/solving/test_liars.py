@@ -1,6 +1,7 @@
 """Planted liars of every sort, each caught by ``solve`` itself; and honest claims that count."""
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,10 +12,8 @@ from programs import program
 import waybound as wb
 from waybound import CheckFailedError, Evidence, Exactness, Routes, RoutingProblem, Sites, Travel, UsageError, VehicleType
 from waybound.formulations.arrays.problem import ArrayProblem
-from waybound.formulations.programs.program import INTEGERS
 from waybound.heuristics.heuristic import HEURISTICS, Heuristic, Outcome
-from waybound.solvers.backend import BACKENDS, Engine, RawResult
-from waybound.solvers.program_backend import ProgramBackend
+from waybound.solvers.backend import RawResult
 
 XY = np.array([(0, 0), (3, 0), (3, 4), (0, 4), (-3, 0)], dtype=float)
 SITES = Sites.of(range(5), demand=[0, 1, 1, 1, 1], coordinates=XY)
@@ -32,55 +31,38 @@ DEAR = np.array([4.0, 5.0])
 
 
 @pytest.fixture
-def engine(registered: Any) -> Callable[[RawResult], str]:
-    """Registers an engine that says the same whatever it is asked."""
-
-    def make(said: RawResult) -> str:
-        body = {
-            "name": "liar", "package": "numpy", "modules": ("numpy",), "summary": "", "family": "routing",
-            "features": SQUARE.features(), "run": lambda self, *given: said,
-        }  # fmt: skip
-        registered(BACKENDS, "liar", type("Liar", (Engine,), body))
-        return "liar"
-
-    return make
+def engine(says: Callable[..., str]) -> Callable[[RawResult], str]:
+    return partial(says, family="routing", features=SQUARE.features())
 
 
-@pytest.fixture
-def backend(registered: Any) -> Callable[[RawResult], str]:
-    def make(said: RawResult) -> str:
-        body = {
-            "name": "liar", "package": "numpy", "modules": ("numpy",), "summary": "", "programs": (INTEGERS,),
-            "search": lambda self, *given: said,
-        }  # fmt: skip
-        registered(BACKENDS, "liar", type("Liar", (ProgramBackend,), body))
-        return "liar"
+FALSE = [
+    ("engine", RawResult("infeasible"), BEST, "claims that there is no answer, but one of value 24.0"),
+    ("engine", RawResult("feasible", answer=BEST, objective=24.0, bound=30.0), None, "claims the bound 30.0, but an answer of value 24.0"),
+    ("engine", RawResult("optimal", answer=WORSE, objective=LOSS), BEST, f"claims the optimum {LOSS!r}, but an answer of value 24.0"),
+    ("engine", RawResult("optimal", answer=BEST, objective=20.0), None, "claims the objective 20.0, the answer's value"),
+    ("engine", RawResult("feasible", answer=BROKEN, objective=18.0), BEST, "carries 4, capacity 2"),
+    ("backend", RawResult("infeasible"), FULL, "claims that there is no answer, but one of value 13.0"),
+    ("backend", RawResult("feasible", answer=FULL, objective=13.0, bound=12.0), None, "claims the bound 12.0"),
+    ("backend", RawResult("optimal", answer=LESS, objective=12.0), FULL, "claims the optimum 12.0, but an answer of value 13.0"),
+    ("backend", RawResult("optimal", answer=FULL, objective=14.0), None, "claims the objective 14.0"),
+    ("backend", RawResult("optimal", answer=OVER, objective=23.0), FULL, "claims an optimal answer, but it breaks"),
+]
 
-    return make
 
-
-@pytest.mark.parametrize(
-    ("said", "start", "fault"),
-    [
-        (RawResult("infeasible"), BEST, "claims that there is no answer, but one of value 24.0"),
-        (RawResult("feasible", answer=BEST, objective=24.0, bound=30.0), None, "claims the bound 30.0, but an answer of value 24.0"),
-        (RawResult("optimal", answer=WORSE, objective=LOSS), BEST, f"claims the optimum {LOSS!r}, but an answer of value 24.0"),
-        (RawResult("optimal", answer=BEST, objective=20.0), None, "claims the objective 20.0, the answer's value"),
-        (RawResult("feasible", answer=BROKEN, objective=18.0), BEST, "carries 4, capacity 2"),
-    ],
-    ids=["infeasibility", "bound", "optimum", "objective", "feasibility"],
-)  # fmt: skip
-def test_an_engine_that_lies_is_told_so_beside_the_answer(engine: Any, said: RawResult, start: Any, fault: str) -> None:
-    found = wb.solve(SQUARE, engine(said), start=start, bound_time=0)
-    assert (found.objective, found.status, found.bound) == (24.0, "feasible", None)
+@pytest.mark.parametrize(("kind", "said", "start", "fault"), FALSE, ids=[f"{kind}-{fault[:27]}" for kind, _, _, fault in FALSE])
+def test_who_lies_is_told_so_beside_the_answer(engine: Any, says: Any, kind: str, said: RawResult, start: Any, fault: str) -> None:
+    problem, name, best = (SQUARE, engine(said), 24.0) if kind == "engine" else (KNAPSACK, says(said), 13.0)
+    found = wb.solve(problem, name, start=start, bound_time=0)
+    assert (found.objective, found.status, found.bound) == (best, "feasible", None)
     assert any(fault in line for line in found.faults), found.faults
 
 
-@pytest.mark.slow
-def test_an_engines_false_optimum_is_refuted_by_a_verified_bound(engine: Any) -> None:
-    found = wb.solve(SQUARE, engine(RawResult("optimal", objective=2.0)), bound_time=60)
-    assert found.objective == 24.0  # of those who were asked then
-    assert any("claims the optimum 2.0, but the verified bound is" in fault for fault in found.faults)
+@pytest.mark.parametrize("kind", [pytest.param("engine", marks=pytest.mark.slow), "backend"])
+def test_a_false_optimum_is_refuted_by_a_verified_bound(engine: Any, says: Any, kind: str) -> None:
+    problem, make, told, best = (SQUARE, engine, 2.0, 24.0) if kind == "engine" else (KNAPSACK, says, 20.0, 13.0)
+    found = wb.solve(problem, make(RawResult("optimal", objective=told)), bound_time=60)
+    assert found.objective == best  # of those who were asked then
+    assert any(f"claims the optimum {told}, but the verified bound is" in fault for fault in found.faults)
 
 
 def test_false_evidence_of_an_engine_proves_nothing(engine: Any) -> None:
@@ -101,30 +83,6 @@ def test_an_engine_that_searches_a_restriction_claims_no_bound(engine: Any) -> N
     assert (found.objective, found.status, found.bound, found.faults) == (24.0, "feasible", None, ())
 
 
-@pytest.mark.parametrize(
-    ("said", "start", "fault"),
-    [
-        (RawResult("infeasible"), FULL, "claims that there is no answer, but one of value 13.0"),
-        (RawResult("feasible", answer=FULL, objective=13.0, bound=12.0), None, "claims the bound 12.0"),
-        (RawResult("optimal", answer=LESS, objective=12.0), FULL, "claims the optimum 12.0, but an answer of value 13.0"),
-        (RawResult("optimal", answer=FULL, objective=14.0), None, "claims the objective 14.0"),
-        (RawResult("optimal", answer=OVER, objective=23.0), FULL, "claims an optimal answer, but it breaks"),
-    ],
-    ids=["infeasibility", "bound", "optimum", "objective", "feasibility"],
-)  # fmt: skip
-def test_a_backend_that_lies_is_told_so_beside_the_answer(backend: Any, said: RawResult, start: Any, fault: str) -> None:
-    found = wb.solve(KNAPSACK, backend(said), start=start, bound_time=0)
-    assert (found.objective, found.bound) == (13.0, None)
-    assert found.status == "feasible"
-    assert any(fault in line for line in found.faults), found.faults
-
-
-def test_a_backends_false_optimum_is_refuted_by_a_verified_bound(backend: Any) -> None:
-    found = wb.solve(KNAPSACK, backend(RawResult("optimal", objective=20.0)), bound_time=60)
-    assert found.objective == 13.0  # of those who were asked then
-    assert any("claims the optimum 20.0, but the verified bound is" in fault for fault in found.faults)
-
-
 # -- every false claim, by an engine and by a backend, with a start and without, with bounds and without --------------------------------
 
 CLAIMS = {
@@ -143,12 +101,12 @@ CLAIMS = {
     ("kind", "bounded"), [("engine", False), ("backend", False), ("backend", True), pytest.param("engine", True, marks=pytest.mark.slow)]
 )
 def test_no_false_claim_is_ever_believed_and_none_costs_the_start(
-    engine: Any, backend: Any, said: RawResult, started: bool, bounded: bool, kind: str
+    engine: Any, says: Any, said: RawResult, started: bool, bounded: bool, kind: str
 ) -> None:
     """Whatever is said: what is handed over is no worse than the start, is called optimal only where that is so, and no claim stands beside
     what refutes it."""
     problem, best, start = (SQUARE, 24.0, WORSE) if kind == "engine" else (COSTLY, 12.0, DEAR)
-    name = (engine if kind == "engine" else backend)(said)
+    name = (engine if kind == "engine" else says)(said)
     try:
         found = wb.solve(problem, name, start=start if started else None, bound_time=60 if bounded else 0)
     except CheckFailedError as fault:
@@ -181,10 +139,10 @@ def test_an_engine_that_claims_the_optimum_and_hands_over_nothing_makes_no_start
 
 @pytest.mark.parametrize("unit", [1.0, 2.0**-40, 2.0**40])
 @pytest.mark.parametrize(("told", "false"), [(1e-15, False), (0.1, True)])
-def test_a_sum_that_is_off_by_rounding_at_an_optimum_of_0_is_no_lie(backend: Any, unit: float, told: float, false: bool) -> None:
+def test_a_sum_that_is_off_by_rounding_at_an_optimum_of_0_is_no_lie(says: Any, unit: float, told: float, false: bool) -> None:
     nothing = ArrayProblem(program([-3.0 * unit, -2.0 * unit], [[2.0, 3.0]], -np.inf, 10.5, 0, [4, 5], integer=[0, 1], sense="max"))
     said = RawResult("optimal", answer=np.zeros(2), objective=told, bound=told)  # in the units that solvers are given
-    found = wb.solve(nothing, backend(said), bound_time=60)
+    found = wb.solve(nothing, says(said), bound_time=60)
     assert (found.objective, found.status, bool(found.faults)) == (0.0, "optimal", false)
 
 
@@ -224,8 +182,7 @@ def test_a_heuristic_runs_in_a_process_of_its_own_with_the_same_answer_and_guara
 
 
 def test_a_search_ends_without_improvement() -> None:
-    problem = wb.read("demo-c25")
-    found = wb.solve(problem, "pyvrp", no_improvement=40, time_limit=60, bound_time=0)
+    found = wb.solve(wb.read("demo-c25"), "pyvrp", no_improvement=40, time_limit=60, bound_time=0)
     assert found.limit in ("iterations", "none")
     assert found.seconds["solve"] < 30
 
@@ -248,8 +205,8 @@ def test_a_search_ends_at_the_gap_that_is_asked_for() -> None:
         (wb.generate("coverage", seed=1, elements=5, items=6, k=2), 0.0),
     ],
 )
-def test_who_says_that_there_is_no_answer_is_refuted_by_one_that_needs_no_search(backend: Any, problem: Any, value: float | None) -> None:
-    solution = wb.solve(problem, backend(RawResult("infeasible")), bound_time=0)
+def test_who_says_that_there_is_no_answer_is_refuted_by_one_that_needs_no_search(says: Any, problem: Any, value: float | None) -> None:
+    solution = wb.solve(problem, says(RawResult("infeasible")), bound_time=0)
     assert (solution.status, len(solution.faults)) == ("feasible", 1)
     assert solution.evaluation.feasible
     if value is not None:

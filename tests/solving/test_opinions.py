@@ -1,6 +1,7 @@
 """A claim without evidence is put to other engines: who agrees is told, and an answer of theirs that passes every check refutes it."""
 
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -10,11 +11,9 @@ from programs import program
 import waybound as wb
 from waybound.cli.solving import exit_code
 from waybound.formulations.arrays.problem import ArrayProblem
-from waybound.formulations.programs.program import INTEGERS
 from waybound.formulations.solution import Opinion, status_line
 from waybound.instances.errors import CheckFailedError
-from waybound.solvers.backend import BACKENDS, Engine, RawResult
-from waybound.solvers.program_backend import ProgramBackend
+from waybound.solvers.backend import BACKENDS, RawResult
 from waybound.solving import concluding, method, opinions
 from waybound.solving.opinions import independent
 
@@ -25,19 +24,6 @@ KNAPSACK = ArrayProblem(program([3.0, 2.0], [[2.0, 3.0]], -np.inf, 10.5, 0, [4, 
 EMPTY = ArrayProblem(program([1.0, 1.0], [[2.0, 2.0]], 3.0, 3.0, 0, 5, integer=[0, 1]))
 """2 x + 2 y = 3 in whole numbers: no bound on the relaxation says so."""
 LESS = np.array([3.0, 1.0])
-
-
-@pytest.fixture
-def says(registered: Any) -> Any:
-    def make(said: RawResult, name: str = "liar", order: int = 100) -> str:
-        body = {
-            "name": name, "package": "numpy", "modules": ("numpy",), "summary": "", "programs": (INTEGERS,), "order": order,
-            "search": lambda self, *given: said,
-        }  # fmt: skip
-        registered(BACKENDS, name, type("Says", (ProgramBackend,), body))
-        return name
-
-    return make
 
 
 def test_an_optimum_without_evidence_is_confirmed_by_two_other_engines():
@@ -116,20 +102,12 @@ def test_an_endless_objective_without_evidence_is_put_to_others(says, monkeypatc
     assert any("liar claims that there is no best answer" in fault and "claims the optimum 0.0" in fault for fault in solution.faults)
 
 
-@pytest.fixture
-def engine_says(registered: Any) -> Any:
-    def make(said: RawResult) -> str:
-        body = {
-            "name": "engine", "package": "numpy", "modules": ("numpy",), "summary": "", "family": "bin-assignment",
-            "features": COSTS.features(), "run": lambda self, *given: said,
-        }  # fmt: skip
-        registered(BACKENDS, "engine", type("Says", (Engine,), body))
-        return "engine"
-
-    return make
-
-
 COSTS = wb.BinAssignment.from_matrix([[1.0, 2.0], [2.0, 1.0]])
+
+
+@pytest.fixture
+def engine_says(says: Any) -> Any:
+    return partial(says, name="engine", family="bin-assignment", features=COSTS.features())
 
 
 @pytest.mark.parametrize("said", [RawResult("infeasible"), RawResult("infeasible_or_unbounded"), RawResult("unbounded")])

@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 import waybound as wb
-from waybound.solvers.backend import BACKENDS, Control, Engine, Options, RawResult
+from waybound.solvers.backend import RawResult
 from waybound.solving.recording import Recorder
 
 
@@ -33,8 +33,7 @@ def test_only_better_answers_and_bounds_are_events(problem: wb.Problem) -> None:
 
 
 def test_where_more_is_better_larger_answers_and_smaller_bounds_are_news() -> None:
-    graph = wb.SensingGraph.from_edges([0], [0], [0], 1.0)
-    record = Recorder(wb.WinnerTakesAllSATA(graph).senses)
+    record = Recorder(wb.WinnerTakesAllSATA(wb.SensingGraph.from_edges([0], [0], [0], 1.0)).senses)
     search = record.of_search("engine")
     for value, bound in ((1.0, 9.0), (0.5, 10.0), (2.0, 8.0)):
         search({"objective": value, "bound": bound})
@@ -50,22 +49,15 @@ def test_levels_of_priority_are_compared_one_after_the_other() -> None:
     assert heard[-1]["objective"] == [2.0, 450.0]
 
 
-def test_incumbents_of_several_levels_are_priced_for_who_watches(registered: Any) -> None:
+def test_incumbents_of_several_levels_are_priced_for_who_watches(says: Any) -> None:
     problem = wb.read("demo-tiny", objective="vehicles then total-cost")
     answer = wb.solve(problem, heuristic="insertion", bound_time=0.0).answer
 
-    class Publishes(Engine):
-        name, family, package, modules, summary, features = "publishes", "routing", "waybound", ("json",), "for tests", frozenset()
+    def publishes(asked: wb.Problem, options: Any, control: Any) -> RawResult:
+        control.publish(answer, None)
+        return RawResult("feasible", answer=answer)
 
-        def missing(self, problem: wb.Problem) -> frozenset[str]:
-            return frozenset()
-
-        def run(self, problem: wb.Problem, options: Options, control: Control) -> RawResult:
-            control.publish(answer, None)
-            return RawResult("feasible", answer=answer)
-
-    registered(BACKENDS, "publishes", Publishes)
-    events = wb.solve(problem, "publishes", bound_time=0.0).events
+    events = wb.solve(problem, says(publishes, family="routing", features=problem.features()), bound_time=0.0).events
     assert ("solve", problem.evaluate(answer).values) in [(e.phase, e.objective) for e in events]
 
 

@@ -1,3 +1,4 @@
+import _thread
 import threading
 import time
 
@@ -60,8 +61,6 @@ def test_an_engine_that_never_comes_back_leaves_its_incumbent(monkeypatch: pytes
 
 
 def test_ctrl_c_stops_the_engine_and_keeps_its_answer() -> None:
-    import _thread
-
     def engine(control: Control) -> RawResult:
         control.publish("incumbent", 1.0)
         threading.Timer(0.2, _thread.interrupt_main).start()
@@ -83,8 +82,6 @@ def test_after_a_signal_nothing_is_begun(monkeypatch: pytest.MonkeyPatch) -> Non
 
 
 def test_what_takes_longer_than_a_signal_leaves_is_done_without() -> None:
-    import _thread
-
     release = threading.Event()
     threading.Timer(0.2, _thread.interrupt_main).start()
     assert in_time(lambda: "all" if release.wait(60) else "", lambda: "less") == "less"

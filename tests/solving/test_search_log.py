@@ -116,8 +116,7 @@ def test_a_reader_who_is_gone_ends_nothing() -> None:
     def gone(line: str) -> None:
         raise BrokenPipeError
 
-    log = SearchLog(gone)
-    log(told(1.0, None, None, "pyvrp"))
+    SearchLog(gone)(told(1.0, None, None, "pyvrp"))
 
 
 def test_names_out_of_files_forge_no_lines(clock: Any) -> None:
@@ -157,14 +156,10 @@ def test_the_whole_log_of_a_run_says_what_was_proved_and_what_was_not() -> None:
 @pytest.mark.parametrize(
     ("value", "bound", "expected"),
     [
-        (10.0, 8.0, 0.2),
-        ([4.0, 9.0], 3.0, 0.25),
-        ([3.0, 9.0], 3.0, None),
-        (None, 3.0, None),
-        (3.0, None, None),
+        (10.0, 8.0, 0.2), ([4.0, 9.0], 3.0, 0.25), ([3.0, 9.0], 3.0, None), (None, 3.0, None), (3.0, None, None),
         ([3.0, 9.0], [3.0, None], None),
     ],
-)
+)  # fmt: skip
 def test_the_gap_on_the_way_is_that_of_an_open_first_level(value: Any, bound: Any, expected: float | None) -> None:
     assert search_log.open_gap(value, bound) == (None if expected is None else pytest.approx(expected))
 
@@ -192,7 +187,6 @@ def test_a_path_is_written_as_the_search_goes(tmp_path: Path) -> None:
 
 def test_true_is_standard_error_where_there_is_no_notebook(capsys: pytest.CaptureFixture[str]) -> None:
     with shown(True) as log:
-        assert log is not None
         log({"phase": "solve", "objective": 1.0, "bound": None, "bound_kind": None, "found_by": "a"})
     told = capsys.readouterr()
     assert "answer by a" in told.err and told.out == ""
@@ -242,7 +236,6 @@ def test_in_a_notebook_the_cell_shows_the_log_and_keeps_it(monkeypatch: pytest.M
     monkeypatch.setitem(sys.modules, "ipykernel", types.ModuleType("ipykernel"))
     assert search_log.in_notebook()
     with shown(True) as log:
-        assert log is not None
         log({"phase": "solve", "objective": 1.0, "bound": None, "bound_kind": None, "found_by": "<b>"})
     assert "answer by <b>" in pages[-1]["text/plain"]
     assert "answer by &lt;b&gt;" in pages[-1]["text/html"]

@@ -298,7 +298,6 @@ class Roads:
     ) -> list[Any]:
         vehicle, u = self.fleet[kind], self.unit
         energy = vehicle.energy
-        assert energy is not None
         rate, capacity, store = ints(energy.rate, u), ints(energy.capacity, u) * u, ints(energy.at_departure, u) * u
         if energy.stations:
             tests, drawn = [], 0

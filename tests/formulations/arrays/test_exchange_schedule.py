@@ -10,13 +10,9 @@ from waybound.instances.errors import InputError
 
 def case(**changes):
     values = {
-        "travel": np.array([[1, 2], [1, 2], [2, 1]]),
-        "flight": 6,
-        "charge": 4,
-        "ready": np.array([0, 0, 3]),
-        "begin": np.array([2, 2]),
+        "travel": np.array([[1, 2], [1, 2], [2, 1]]), "flight": 6, "charge": 4, "ready": np.array([0, 0, 3]), "begin": np.array([2, 2]),
         "end": np.array([8, 6]),
-    } | changes
+    } | changes  # fmt: skip
     return ExchangeCase(**{key: np.array(v) if isinstance(v, list) else v for key, v in values.items()})
 
 

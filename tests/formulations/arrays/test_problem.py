@@ -71,8 +71,7 @@ def test_quadratic_objectives_are_recomputed() -> None:
 
 def test_answers_survive_json_and_frames() -> None:
     problem = ArrayProblem(knapsack())
-    data = problem.answer_to_json(np.array([4.0, 0.1]))
-    assert problem.answer_from_json(data).tolist() == [4.0, 0.1]
+    assert problem.answer_from_json(problem.answer_to_json(np.array([4.0, 0.1]))).tolist() == [4.0, 0.1]
     frame = problem.answer_to_frame([4.0, 0.0])
     assert frame["variable"].tolist() == ["x[0]", "x[1]"] and frame["value"].tolist() == [4.0, 0.0]
     wrongs: list[Any] = [{}, {"kind": "vector"}, {"kind": "vector", "values": [1.0]}, {"kind": "vector", "values": ["a", 1.0]}, []]

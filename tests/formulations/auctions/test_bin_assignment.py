@@ -6,13 +6,14 @@ import numpy as np
 import pandas as pd
 import pytest
 from bin_assignments import WORKED, enumerated, random_costs, worked
-from coded import coded
+from coded import check_coded, coded
 from draws import draws
 
 import waybound as wb
 from waybound import AssignmentInstance, InputError, UsageError
 from waybound.formulations.answers import read_answer
 from waybound.formulations.auctions.bin_assignment import BinAssignment
+from waybound.formulations.certificate import certify
 
 INF = math.inf
 
@@ -80,10 +81,8 @@ def test_answers_are_written_and_read_by_name() -> None:
     for text, code in (("robot\n", "malformed"), ("robot,bin\n1,1\n1,2\n", "duplicate")):
         with pytest.raises(InputError, check=coded(code)):
             problem.answer_from_text(text)
-    with pytest.raises(InputError, check=coded("unknown-name")):
-        problem.answer_from_json({"kind": "bin-assignment", "bin_of_robot": {"1": "7"}})
-    with pytest.raises(UsageError, check=coded("foreign")):
-        problem.check_start((0, 1))
+    check_coded(InputError, "unknown-name", problem.answer_from_json, {"kind": "bin-assignment", "bin_of_robot": {"1": "7"}})
+    check_coded(UsageError, "foreign", problem.check_start, (0, 1))
 
 
 @pytest.mark.parametrize("suffix", [".csv", ".xlsx", ".json"])
@@ -142,8 +141,6 @@ def test_neither_bound_nor_objective_is_minus_nothing() -> None:
 
 
 def test_the_digest_is_made_when_it_is_asked_for_where_nobody_can_change_the_costs() -> None:
-    from waybound.formulations.certificate import certify
-
     matrix = np.arange(6.0).reshape(2, 3)
     own, lent = BinAssignment.from_matrix(matrix), BinAssignment(AssignmentInstance(2, 3, *_csr(2, 3), matrix.ravel()))
     for problem, later in ((own, True), (lent, False)):

@@ -1,5 +1,3 @@
-from pathlib import Path
-
 import numpy as np
 import pytest
 from coded import coded
@@ -60,8 +58,3 @@ def test_answers_go_to_json_and_frames_and_back_by_name() -> None:
                   {"kind": "errands", "errands": [{"robot": "1"}]}):  # fmt: skip
         with pytest.raises(InputError):
             WORKED.answer_from_json(wrong)
-
-
-def test_one_made_in_python_is_saved_and_read_back(tmp_path: Path) -> None:
-    WORKED.save(tmp_path / "errands.json")
-    assert wb.read(tmp_path / "errands.json").digest() == WORKED.digest()

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from bin_assignments import enumerated, random_costs
 from draws import draws
+from scipy.sparse.csgraph import maximum_bipartite_matching
 
 from waybound.formulations.auctions import matching
 from waybound.formulations.auctions.bin_assignment import BinAssignment
@@ -26,7 +27,6 @@ def test_matchings_are_as_large_as_enumeration_says_and_covers_are_no_larger() -
 def test_paths_of_many_pairs_find_as_many_as_hopcroft_and_karp(looks: int, monkeypatch: pytest.MonkeyPatch) -> None:
     """Without a look left they give up, and say so."""
     from scipy.sparse import random as random_matrix
-    from scipy.sparse.csgraph import maximum_bipartite_matching
 
     monkeypatch.setattr(matching, "MANY_PAIRS", 0)
     monkeypatch.setattr(matching, "LOOKS", looks)

@@ -2,8 +2,9 @@ import itertools
 
 import numpy as np
 import pytest
-from coded import coded
+from coded import check_coded, coded
 from draws import draws
+from file_cases import check_refused
 from orchard_cases import FOUR, LANE, ONE_ROUTE, SCHEDULES, TWO_ROUTES, WHOLE_DAYS, lane, random_jobs, retrievals
 
 import waybound as wb
@@ -129,10 +130,8 @@ def test_answers_go_through_json_and_frames():
 
 def test_settings_are_checked():
     jobs = OrchardJobs.of_routes(lane(ONE_ROUTE, 1), ONE_ROUTE)
-    with pytest.raises(UsageError, match="objective must be one of makespan, completion"):
-        OrchardDay(jobs, "cost")
-    with pytest.raises(UsageError, check=coded("malformed")):
-        OrchardDay(LANE)
+    check_refused(UsageError, "objective must be one of makespan, completion", OrchardDay, jobs, "cost")
+    check_coded(UsageError, "malformed", OrchardDay, LANE)
     assert problem_from_instance(jobs, objective="completion").objective == "completion"
     with pytest.raises(UsageError, match="has no setting 'robots'; it takes objective"):
         problem_from_instance(jobs, robots=3)

@@ -1,7 +1,8 @@
 """What answers of both problems share: files, names, and the test that every task is there once."""
 
 import pytest
-from coded import coded
+from coded import check_coded, coded
+from file_cases import check_refused
 from task_problems import line, parts
 
 from waybound import InputError, RobotTasks, TaskAllocation, UsageError
@@ -32,10 +33,8 @@ def test_answers_come_back_from_their_files():
     ],
 )
 def test_other_files_are_refused(shares, message):
-    with pytest.raises(InputError, match=message):
-        NAMED.answer_from_json({"kind": "task-paths", "shares": shares})
-    with pytest.raises(InputError, check=coded("malformed")):
-        NAMED.answer_from_json({"kind": "task-parts", "shares": []})
+    check_refused(InputError, message, NAMED.answer_from_json, {"kind": "task-paths", "shares": shares})
+    check_coded(InputError, "malformed", NAMED.answer_from_json, {"kind": "task-parts", "shares": []})
 
 
 def test_names_and_numbers_are_taken_for_answers():
@@ -70,7 +69,5 @@ def test_instances_and_settings_of_other_kinds_are_refused():
     with pytest.raises(UsageError, check=coded("foreign")):
         robot_tasks(generate("sata", 1, robots=2, targets=3, phi=50), "task-allocation")
     assert settings_of("x", {"objective": "a", "convention": "exact"}, ("objective",)) == {"objective": "a"}
-    with pytest.raises(UsageError, match="x has no setting 'colour'; it takes objective"):
-        settings_of("x", {"colour": 1}, ("objective",))
-    with pytest.raises(UsageError, match="the convention can only be exact"):
-        settings_of("x", {"convention": "round"}, ())
+    check_refused(UsageError, "x has no setting 'colour'; it takes objective", settings_of, "x", {"colour": 1}, ("objective",))
+    check_refused(UsageError, "the convention can only be exact", settings_of, "x", {"convention": "round"}, ())

@@ -1,5 +1,3 @@
-from pathlib import Path
-
 import numpy as np
 import pytest
 from coded import coded
@@ -79,9 +77,3 @@ def test_answers_go_to_json_and_frames_and_back() -> None:
     for wrong in ({"kind": "x"}, {"kind": "explorations", "robots": [[{"room": "9", "action": "go"}]]}):
         with pytest.raises(InputError):
             TWO.answer_from_json(wrong)
-
-
-def test_one_made_in_python_is_saved_and_read_back(tmp_path: Path) -> None:
-    made = path(4, 1, 5, robots=2, heard=((0, 1),))
-    made.save(tmp_path / "rooms.json")
-    assert wb.read(tmp_path / "rooms.json").digest() == made.digest()

@@ -8,12 +8,15 @@ import pytest
 from branching_programs import knapsack, random_program, without_answer
 from coded import coded
 from draws import draws
+from programs import program
+from random_sensing import random_graph
 from truth.families import truth
 
 from waybound import CheckFailedError, Evidence, InputError, Problem, WayboundError
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.certificate import certify, check_certificate
 from waybound.formulations.checking.branching_tree import DEEPEST
+from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
 from waybound.formulations.stop import Stop
 from waybound.formulations.verified_bounds import verified_bound
 from waybound.solvers.bounds.branching_tree import branching_tree_bound
@@ -134,8 +137,6 @@ def test_a_branching_on_a_variable_that_need_not_be_whole_is_refused() -> None:
 
 
 def _with_continuous() -> Any:
-    from programs import program
-
     return program([1, 1], [[1, 1]], 1.5, math.inf, 0.0, 9.0, integer=[0])
 
 
@@ -146,10 +147,6 @@ def test_a_tree_that_is_too_deep_is_refused_before_it_is_walked() -> None:
 
 
 def test_families_without_statements_refuse_trees() -> None:
-    from random_sensing import random_graph
-
-    from waybound.formulations.sata.bottleneck_sata import BottleneckSATA
-
     shares = BottleneckSATA(random_graph(1, robots=2, targets=2), fractional=True)
     with pytest.raises(InputError, match="nothing can be stated"):
         verified_bound(shares, tree({"branch": {"taken": 0}}, {}, {}))

@@ -12,13 +12,10 @@ SCALES = (2.0**-200, 2.0**-30, 2.0**-10, 1.0, 2.0**10, 2.0**30, 2.0**200)
 @pytest.mark.parametrize(
     ("values", "size"),
     [
-        ([1, 2, 30], Grain(1.0)),
-        ([5, 10, 0], Grain(5.0)),
-        ([0.1, 0.7, 12.3], Grain(1.0, 10.0)),
-        ([0.25], Grain(25.0, 100.0)),
+        ([1, 2, 30], Grain(1.0)), ([5, 10, 0], Grain(5.0)), ([0.1, 0.7, 12.3], Grain(1.0, 10.0)), ([0.25], Grain(25.0, 100.0)),
         ([1 / 3], Grain(1 / 3)),
     ],
-)
+)  # fmt: skip
 def test_the_grain_is_the_largest_number_that_divides_all(values, size):
     assert grain(values) == size
 
@@ -38,7 +35,6 @@ def test_no_number_is_the_multiple_zero(tiny):
 def test_the_grain_does_not_depend_on_the_unit(counts, parts, scale):
     values = np.array(counts) / parts
     one, other = grain(values), grain(values * scale)
-    assert one is not None and other is not None
     assert other.size == pytest.approx(one.size * scale, rel=1e-13)
     assert one.size == pytest.approx(math.gcd(*counts) / parts)
 

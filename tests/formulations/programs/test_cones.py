@@ -56,7 +56,6 @@ def test_the_matrix_spans_all_variables_of_the_program() -> None:
 
 
 def test_the_digest_covers_every_number() -> None:
-    one = cones("second-order", 2, [[1, 0], [0, 3]], [0, 1])
-    kind, width, *arrays = one.parts()
+    kind, width, *arrays = cones("second-order", 2, [[1, 0], [0, 3]], [0, 1]).parts()
     assert (kind, width) == ("second-order", 2)
     assert [a.tolist() for a in arrays] == [[0, 1, 2], [0, 1], [1, 3], [0, 1]]

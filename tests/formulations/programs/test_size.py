@@ -73,8 +73,7 @@ def test_a_solver_takes_the_next_form_that_fits_and_says_why_where_there_is_none
 def test_bounds_go_on_without_and_say_so(hold: Any) -> None:
     hold(1.0)
     unable: list[str] = []
-    problem = wb.BottleneckSATA(wb.generate("sata", seed=1).graph, fractional=True)
-    find_bounds(problem, 5.0, unable=unable)
+    find_bounds(wb.BottleneckSATA(wb.generate("sata", seed=1).graph, fractional=True), 5.0, unable=unable)
     assert any(line.startswith("no bound by linear-relaxation: form max-min would have about") for line in unable)
     assert max(e.value for e in find_bounds(PROBLEM, 5.0)) > 0
 

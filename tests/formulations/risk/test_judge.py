@@ -12,8 +12,7 @@ UNIFORM = 5.0 + ndtri(0.05)
 
 
 def test_an_answer_is_judged_by_its_risks() -> None:
-    p = problem()
-    judged = evaluate_allocation(p, Allocation.of([UNIFORM, UNIFORM], [0.05, 0.05]))
+    judged = evaluate_allocation(problem(), Allocation.of([UNIFORM, UNIFORM], [0.05, 0.05]))
     assert judged.feasible
     assert judged.values[0] == pytest.approx(13.420585, abs=1e-6)
     assert judged.quantities["sum_of_risks"] == pytest.approx(0.1)

@@ -4,6 +4,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import risky_cases as cases
+from patience import HANG
 
 import waybound as wb
 from waybound import InputError, RiskyGraph, RiskyPath
@@ -75,7 +76,7 @@ def test_the_best_value_may_be_nothing() -> None:
     moves = MoveRisk([0], [1], [2], [0.3])
     graph = cases.graph([(0, 1), (1, 2), (0, 2)], [moves], goals=(2,), rewards=[0, 1, 0], discount=0.0, objective="reward-per-risk")
     for given in ({}, {"solver": "path-enumeration"}, {"heuristic": "two-stage"}):
-        solution = wb.solve(RiskyPath(graph), **given)
+        solution = wb.solve(RiskyPath(graph), bound_time=HANG, **given)
         assert (solution.status, solution.objective, solution.answer, solution.bound_kind) == ("optimal", 0.0, (0, 1, 2), "verified")
 
 
@@ -92,8 +93,7 @@ def test_what_cannot_be_decided_is_refused(monkeypatch: pytest.MonkeyPatch) -> N
 
 
 def test_a_search_for_any_risk_ends_when_it_shall() -> None:
-    problem = cases.two_ways()
-    assert marked_paths.risky_path(problem) == (0, 1)
+    assert marked_paths.risky_path(cases.two_ways()) == (0, 1)
     with pytest.raises(CutShortError, match="iterations"):
         marked_paths.risky_path(cases.mud(objective="risk"), most=0)
     stop = Stop()

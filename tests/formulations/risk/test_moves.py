@@ -75,8 +75,7 @@ def test_graphs_with_too_many_pairs_are_refused(monkeypatch):
 
 
 def test_equal_memories_have_one_number_and_less_mud_is_no_worse():
-    problem = cases.mud_costs()
-    memories = Memories(problem.graph)
+    memories = Memories(cases.mud_costs().graph)
     clean, _ = memories.step(memories.begin, 0, 2)
     muddy, _ = memories.step(memories.begin, 0, 1)
     assert clean == memories.begin != muddy

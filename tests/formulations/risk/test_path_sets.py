@@ -158,8 +158,7 @@ def test_what_always_holds():
         assert p + probability(b, a) == pytest.approx(1.0, abs=1e-9)
         assert probability(a + np.array([5, 0]), b + np.array([5, 0])) == pytest.approx(p, abs=1e-9)
         assert probability(a * [2, 4], b * [2, 4]) == pytest.approx(p, abs=1e-9)
-        more = np.vstack([a, [rng.normal(0, 3), rng.uniform(0, 9)]])
-        assert probability(more, b) >= p - 1e-9
+        assert probability(np.vstack([a, [rng.normal(0, 3), rng.uniform(0, 9)]]), b) >= p - 1e-9
 
 
 def test_known_costs_are_atoms_and_ties_are_shared():

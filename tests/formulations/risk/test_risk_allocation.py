@@ -5,7 +5,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from coded import coded
+from coded import check_coded, coded
+from file_cases import check_refused
 from risk_problems import around_a_box, problem, run
 
 import waybound as wb
@@ -73,10 +74,8 @@ def test_settings_change_the_risk() -> None:
     other = problem_from_instance(p, risk="joint", total=0.2)
     assert isinstance(other, RiskAllocation)
     assert (other.risk.kind, other.risk.total, other.caps.tolist()) == ("joint", 0.2, [0.2] * 3)
-    with pytest.raises(UsageError, match="has no setting 'speed'; it takes risk, total"):
-        problem_from_instance(p, speed=1)
-    with pytest.raises(UsageError, check=coded("foreign")):
-        wb.read("demo-c25", problem="risk-allocation")
+    check_refused(UsageError, "has no setting 'speed'; it takes risk, total", problem_from_instance, p, speed=1)
+    check_coded(UsageError, "foreign", wb.read, "demo-c25", problem="risk-allocation")
 
 
 # -- problems made of another one ----------------------------------------------------------------------------------------
@@ -142,8 +141,7 @@ def test_an_answer_off_its_limits_is_within_those_that_its_residuals_widen() -> 
     p, x = mixed(), np.array([4.5, 2.75])
     assert not p.evaluate(x).feasible
     excess = float((p.chance @ x - p.limits).max())
-    wide = p.widened({"constraints": 0.25, "chance": excess + 9.0})
-    assert wide.evaluate(x).feasible
+    assert p.widened({"constraints": 0.25, "chance": excess + 9.0}).evaluate(x).feasible
 
 
 def test_rows_that_are_chosen_keep_their_data_and_budgets_their_constraints() -> None:

@@ -12,6 +12,7 @@ from waybound.formulations.evidence import CHECKERS
 from waybound.formulations.problem import problem_from_instance
 from waybound.formulations.risk.risky_path import RiskyPath, unreachable
 from waybound.instances.errors import InputError, UsageError
+from waybound.instances.generating import generate
 from waybound.instances.risk.elements import LocaleRisk
 
 
@@ -135,8 +136,6 @@ def test_settings_change_start_goals_discount_and_objective():
 
 
 def _routing():
-    from waybound.instances.generating import generate
-
     return generate("random", 1, customers=3)
 
 

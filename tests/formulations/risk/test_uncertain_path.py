@@ -1,7 +1,8 @@
 import math
 
 import pytest
-from coded import coded
+from coded import check_coded, coded
+from file_cases import check_refused
 from uncertain_graphs import WORKED, graph_of
 
 from waybound.formulations.problem import problem_from_instance
@@ -82,12 +83,9 @@ def test_risks_beyond_one_half_and_none_are_refused(risk):
 
 
 def test_settings_and_instances_of_others_are_refused():
-    with pytest.raises(UsageError, match="uncertain-path has no setting 'speed'; it takes risk"):
-        problem_from_instance(graph_of(WORKED), speed=1)
-    with pytest.raises(UsageError, match="the convention can only be exact"):
-        problem_from_instance(graph_of(WORKED), convention="round")
-    with pytest.raises(UsageError, check=coded("foreign")):
-        problem_from_instance(type("Other", (), {"name": "x", "problem": "uncertain-path"})())
+    check_refused(UsageError, "uncertain-path has no setting 'speed'; it takes risk", problem_from_instance, graph_of(WORKED), speed=1)
+    check_refused(UsageError, "the convention can only be exact", problem_from_instance, graph_of(WORKED), convention="round")
+    check_coded(UsageError, "foreign", problem_from_instance, type("Other", (), {"name": "x", "problem": "uncertain-path"})())
 
 
 def test_the_digest_tells_risks_apart():

@@ -3,7 +3,7 @@ import json
 import numpy as np
 import pandas as pd
 import pytest
-from coded import coded
+from coded import check_coded, coded
 
 import waybound as wb
 from waybound import Energy, InputError, Route, Routes, RoutingProblem, Sites, UsageError, VehicleType
@@ -87,10 +87,8 @@ def test_lines_and_points_tell_who_goes_where_when_and_who_is_left_out() -> None
 
 def test_sites_without_latitude_and_longitude_have_no_place_on_the_globe() -> None:
     problem = wb.RoutingProblem.from_frame(SITES.rename(columns={"lat": "y", "lon": "x"}))
-    with pytest.raises(wb.UsageError, check=coded("missing")):
-        answer_geojson(problem, wb.Routes.of([[1]]))
-    with pytest.raises(wb.UsageError, check=coded("missing")):
-        problem.check_answer_suffix(".geojson")
+    check_coded(wb.UsageError, "missing", answer_geojson, problem, wb.Routes.of([[1]]))
+    check_coded(wb.UsageError, "missing", problem.check_answer_suffix, ".geojson")
 
 
 def test_other_documents_are_none() -> None:

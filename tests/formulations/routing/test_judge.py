@@ -66,8 +66,7 @@ def test_departure_is_postponed_until_waiting_or_slack_is_used_up():
 
 
 def test_nobody_waits_for_the_depot_to_open_on_return():
-    problem = square(ready=[10, 0, 0, 0, 0], due=[100, 100, 100, 100, 100])
-    plan = schedule(problem, Route((1,)))
+    plan = schedule(square(ready=[10, 0, 0, 0, 0], due=[100, 100, 100, 100, 100]), Route((1,)))
     assert (plan.departure, plan.finish, plan.waiting) == (10.0, 16.0, 0.0)
 
 

@@ -1,8 +1,9 @@
 import math
 
 import pytest
-from coded import coded
+from coded import check_coded, coded
 from draws import draws
+from file_cases import check_refused
 from hypothesis import given, settings, strategies as st
 
 import waybound as wb
@@ -33,10 +34,8 @@ def test_then_appends_levels_in_order():
 
 def test_names_make_an_objective():
     assert Objective.named(("vehicles", "total-cost")) == Vehicles().then(TotalCost())
-    with pytest.raises(UsageError, match="unknown objective term 'profit'"):
-        Objective.named(("profit",))
-    with pytest.raises(UsageError, check=coded("missing")):
-        Objective.named(())
+    check_refused(UsageError, "unknown objective term 'profit'", Objective.named, ("profit",))
+    check_coded(UsageError, "missing", Objective.named, ())
 
 
 def test_text_tells_weights_apart_that_differ_in_their_last_digits():
@@ -105,21 +104,13 @@ def test_terms_weights_and_priorities(text: str, expected: object, senses: tuple
 @pytest.mark.parametrize(
     ("text", "told"),
     [
-        ("total-costs", "did you mean 'total-cost'?"),
-        ("TotalCost", "did you mean 'total-cost'?"),
-        ("vehicle", "did you mean 'vehicles'?"),
-        ("distance", "choose from total-cost"),
-        ("reward-total-duration", "write blanks around - and +: reward - total-duration"),
-        ("2*", "ends without a term"),
-        ("vehicles +", "ends without a term"),
-        ("vehicles vehicles", "not expected there"),
-        ("--vehicles", "not expected there"),
-        ("vehicles * 2", "not expected there"),
-        ("2 3*vehicles", "not expected there"),
-        ("vehicles; total-cost", "not expected there"),
-        ("vehicles\x1b[31m", "not expected there"),
+        ("total-costs", "did you mean 'total-cost'?"), ("TotalCost", "did you mean 'total-cost'?"), ("vehicle", "did you mean 'vehicles'?"),
+        ("distance", "choose from total-cost"), ("reward-total-duration", "write blanks around - and +: reward - total-duration"),
+        ("2*", "ends without a term"), ("vehicles +", "ends without a term"), ("vehicles vehicles", "not expected there"),
+        ("--vehicles", "not expected there"), ("vehicles * 2", "not expected there"), ("2 3*vehicles", "not expected there"),
+        ("vehicles; total-cost", "not expected there"), ("vehicles\x1b[31m", "not expected there"),
     ],
-)
+)  # fmt: skip
 def test_what_is_wrong_is_named_on_one_line(text: str, told: str) -> None:
     with pytest.raises(wb.UsageError) as refused:
         objective_from(text)

@@ -5,6 +5,7 @@ from statistics import NormalDist
 import numpy as np
 import pytest
 from coded import coded
+from file_cases import check_refused
 
 from waybound import Energy, InputError, Routes, RoutingInstance, RoutingProblem, Sites, UsageError, VehicleType
 from waybound.formulations.routing.overrun import quantile, route_overrun, tail, uncertain
@@ -84,10 +85,8 @@ def test_the_tail_keeps_its_digits() -> None:
 
 @pytest.mark.parametrize("risk", [0.0, -0.1, 0.51, 1.0, math.nan])
 def test_a_risk_is_a_probability_up_to_one_half(risk: float) -> None:
-    with pytest.raises(InputError, match="the risk of vehicle must be a probability above 0, and 1/2 at most"):
-        VehicleType(risk=risk)
-    with pytest.raises(InputError, match="the risk of the team must be"):
-        problem(VehicleType(), risk)
+    check_refused(InputError, "the risk of vehicle must be a probability above 0, and 1/2 at most", VehicleType, risk=risk)
+    check_refused(InputError, "the risk of the team must be", problem, VehicleType(), risk)
 
 
 @pytest.mark.parametrize(

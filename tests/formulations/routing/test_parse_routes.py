@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 import pytest
-from coded import coded
+from coded import check_coded
+from file_cases import check_refused
 from hypothesis import given, strategies as st
 
 import waybound as wb
@@ -102,10 +103,8 @@ def test_what_is_written_reads_back_whatever_types_are_called(names: tuple[str, 
 def test_a_name_of_a_vehicle_that_is_suggested_is_none_of_another_type() -> None:
     sites = pd.DataFrame({"x": [0, 1], "y": [0, 1]})
     problem = wb.RoutingProblem.from_frame(sites, fleet=[{"name": "van", "count": 2}, {"name": "van 1"}])
-    with pytest.raises(wb.UsageError, match=r"give \{'van 2': \[\.\.\.\]\}"):
-        wb.judge(problem, [[1]])
-    with pytest.raises(wb.UsageError, check=coded("ambiguous")):
-        routes_given(problem, [[1]])
+    check_refused(wb.UsageError, r"give \{'van 2': \[\.\.\.\]\}", wb.judge, problem, [[1]])
+    check_coded(wb.UsageError, "ambiguous", routes_given, problem, [[1]])
 
 
 DAY = Clock("min", "2026-05-04T00:00:00")

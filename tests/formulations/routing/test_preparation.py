@@ -42,8 +42,7 @@ def test_windows_shrink_to_what_can_be_reached_and_left_in_time() -> None:
 
 def test_bounds_use_shortest_ways_where_the_triangle_inequality_fails() -> None:
     """Way 0-1-2 is shorter than 0-2 (6 against 7), and 2-4-5-0 than 2-0: direct ways would cut off routes."""
-    problem = routing(matrix=ASYM_5, count=1, sites={"due": [20, 20, 20, 20, 20, 20]})
-    prep = prepare(problem)
+    prep = prepare(routing(matrix=ASYM_5, count=1, sites={"due": [20, 20, 20, 20, 20, 20]}))
     assert prep.time.lower[2] == 6.0
     assert prep.time.lower[4] == 6.0
     shortest_home = {1: 5.0, 2: 6.0, 3: 3.0, 4: 7.0, 5: 4.0}

@@ -45,8 +45,7 @@ def test_the_json_of_an_answer_names_types_and_reads_back(mixed):
 
 
 def test_facts_name_depots_and_count_what_is_out_of_reach(problem):
-    facts = wb.read("demo-tiny", capacity=9).facts()
-    assert facts["sites"]["unreachable"] > 0
+    assert wb.read("demo-tiny", capacity=9).facts()["sites"]["unreachable"] > 0
     assert problem.facts()["sites"]["unreachable"] == 0
     assert problem.facts()["fleet"][0]["start"] == problem.sites.ids[0]
     alone = wb.RoutingProblem(wb.Sites.of(["d"]), wb.Travel("euclidean", [[0, 0]]), (wb.VehicleType(),))
@@ -121,13 +120,10 @@ def test_a_problem_of_a_frame_is_saved_with_its_objective_moves_and_clock(tmp_pa
 
     sites = pd.DataFrame(
         {
-            "name": ["h", "n", "e"],
-            "due": pd.to_datetime(["2026-05-04 18:00"] * 3),
-            "reward": [0, 2, 3],
-            "required": False,
+            "name": ["h", "n", "e"], "due": pd.to_datetime(["2026-05-04 18:00"] * 3), "reward": [0, 2, 3], "required": False,
             "phone": list("123"),
         }
-    )
+    )  # fmt: skip
     matrix = [[0, 1, 2], [3, 0, math.inf], [1, 1, 0]]
     problem = wb.RoutingProblem.from_frame(sites, travel=matrix, vehicles=1, time_unit="h", objective="reward then total-cost")
     problem.save(tmp_path / "p.json")

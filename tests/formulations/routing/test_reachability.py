@@ -16,19 +16,12 @@ from waybound.formulations.routing.reachability import minimum_vehicles, servabl
 from waybound.formulations.verified_bounds import verified_bound
 from waybound.solvers.bounds.routing.infeasibility import infeasible_site_evidence
 
-DRAWN = settings(max_examples=draws(150), deadline=None, suppress_health_check=[HealthCheck.too_slow])
+DRAWN = settings(max_examples=draws(200), deadline=None, suppress_health_check=[HealthCheck.too_slow])
 
 
 @DRAWN
-@given(problem=small_problems(most=3))
+@given(problem=small_problems(most=3) | small_problems(most=3, hetero=True))
 def test_no_feasible_route_visits_a_site_called_unreachable(problem: RoutingProblem) -> None:
-    visited = {site for vehicle in problem.fleet for visits in routes(problem, vehicle) for site in visits}
-    assert not visited & set(unreachable(problem))
-
-
-@settings(DRAWN, max_examples=draws(60))
-@given(problem=small_problems(most=3, hetero=True))
-def test_no_feasible_route_of_a_mixed_fleet_visits_a_site_called_unreachable(problem: RoutingProblem) -> None:
     visited = {site for vehicle in problem.fleet for visits in routes(problem, vehicle) for site in visits}
     assert not visited & set(unreachable(problem))
 
@@ -86,8 +79,7 @@ def test_a_detour_makes_a_site_reachable_where_the_triangle_inequality_fails() -
 
 
 def test_a_route_of_exactly_its_limit_is_reachable() -> None:
-    matrix = np.array([[0, 0.1], [0.2, 0]])
-    assert unreachable(routing(matrix=matrix, max_distance=0.3)) == {}
+    assert unreachable(routing(matrix=np.array([[0, 0.1], [0.2, 0]]), max_distance=0.3)) == {}
     assert unreachable(routing(xy=SQUARE_4, max_distance=10.0)) == {}
 
 
@@ -211,8 +203,7 @@ def test_sites_out_of_reach_of_vehicles_that_stop_on_the_way_are_named(vehicle: 
     sites = {"depot": [True, True, False, False, False], "demand": [0, 0, 5, 3, 2]}
     problem = routing(xy=LINE, sites=sites, count=3, **vehicle)
     assert unreachable(problem) == reason
-    evidence = infeasible_site_evidence(problem)
-    assert (evidence is None) == (not reason)
+    assert (infeasible_site_evidence(problem) is None) == (not reason)
 
 
 @pytest.mark.parametrize("feature", ["reloads", "recharging"])

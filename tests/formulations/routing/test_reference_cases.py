@@ -1,9 +1,10 @@
+import heapq
 import math
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from oracles import ASYM_5, GAP_5, OCTO_8, SQUARE_4, agrees
+from oracles import ASYM_5, GAP_5, MIN_COST, OCTO_8, SQUARE_4, agrees
 from truth.routing import RoutingTruth, best_values
 
 import waybound as wb
@@ -23,14 +24,7 @@ def sites(name):
     return Sites.of(range(len(travel)), reward=reward), travel
 
 
-@pytest.mark.parametrize(
-    ("name", "vehicles", "limit", "best"),
-    [
-        ("SQUARE-4", 4, 10, 30), ("SQUARE-4", 2, 12, 24), ("SQUARE-4", 2, 14, 20), ("SQUARE-4", 1, 18, 18), ("SQUARE-4", 2, 11.9, None),
-        ("SQUARE-4", 4, 9.9, None), ("GAP-5", 1, 28, 28), ("GAP-5", 2, 26, 36), ("GAP-5", 1, 27.9, None), ("ASYM-5", 1, math.inf, 16),
-        ("ASYM-5", 2, 14, 26), ("ASYM-5", 5, 13, 31), ("ASYM-5", 5, 12, None),
-    ],
-)  # fmt: skip
+@pytest.mark.parametrize(("name", "vehicles", "limit", "best"), MIN_COST)
 def test_least_cost(name, vehicles, limit, best):
     problem = wb.min_cost_vrp(*sites(name), vehicles=vehicles, max_duration=limit)
     assert best_values(problem) == (None if best is None else pytest.approx((best,)))
@@ -45,17 +39,6 @@ def test_least_cost(name, vehicles, limit, best):
 )  # fmt: skip
 def test_least_makespan(name, vehicles, best):
     assert best_values(wb.min_makespan_vrp(*sites(name), vehicles=vehicles)) == pytest.approx((best,))
-
-
-@pytest.mark.parametrize(
-    ("store", "travel", "fixed", "windows"),
-    [(12, 24, None, None), (14, 24, 24, 26), (16, 22, 24, 26), (18, 22, 22, 24), (23, 22, 22, 22)],
-)
-def test_windows_and_what_energy_is_charged_for(store, travel, fixed, windows):
-    places = Sites.of(range(5), ready=[0, 0, 0, 10, 0], due=[math.inf, 20, 6, 12, 4])
-    for charge, best in (("travel", travel), ("elapsed-fixed-start", fixed), ("windows", windows)):
-        problem = wb.vrptw(places, DATA["SQUARE-4"][0], vehicles=4, energy=Energy(store, charge=charge))
-        assert best_values(problem) == (None if best is None else pytest.approx((best,))), charge
 
 
 @pytest.mark.share(2)
@@ -188,8 +171,6 @@ def test_a_walk_between_stations_must_hang_together(store, best):
 
 def refuelled(problem):
     """Least makespan of a recharging problem: for each vehicle and set of sites the shortest walk, as the judge measures it."""
-    import heapq
-
     move, store = problem.travel.distances.tolist(), problem.fleet[0].energy.capacity
     stations, targets = problem.sites.depots.tolist(), problem.customers.tolist()
     homes = [v.start for v in problem.fleet for _ in range(v.count)]

@@ -152,13 +152,10 @@ def test_an_optimal_plan_can_be_continued_from_any_moment(seed):
         (line(), PLAN, math.inf, "a horizon begins at a moment, not at inf"),
         (line(sites=Sites.of("oabcde", pickup=1.0)), PLAN, 1.0, "cannot be continued with pickups"),
         (
-            line(fleet=[VehicleType(2, shift=(0, 20), committed=True)], vehicles=None),
-            PLAN,
-            11.0,
-            "is left",
+            line(fleet=[VehicleType(2, shift=(0, 20), committed=True)], vehicles=None), PLAN, 11.0, "is left",
         ),
     ],
-)
+)  # fmt: skip
 def test_what_cannot_be_continued_is_said(problem, plan, time, message):
     with pytest.raises(UsageError, match=message):
         problem.continue_from(plan, time)

@@ -24,8 +24,6 @@ def test_vehicles_that_stay_at_home_have_no_route() -> None:
 
 
 def test_sites_become_plain_numbers() -> None:
-    import numpy as np
-
     (route,) = Routes.of([np.array([4, 2], dtype=np.int32)])
     assert route.visits == (4, 2) and {type(i) for i in route.visits} == {int}
 
@@ -138,8 +136,7 @@ def test_a_route_with_a_timetable_keeps_it_in_json_and_searches_begin_without() 
     answer = routes_given(LONG, EARLY)
     data = json.loads(json.dumps(LONG.answer_to_json(answer)))
     assert LONG.answer_from_json(data) == answer != answer.untimed() == Routes.of([[1, 2]])
-    solution = wb.solve(LONG, "highs", start=EARLY, bound_time=0.0)
-    assert solution.answer.routes[0].timetable is None
+    assert wb.solve(LONG, "highs", start=EARLY, bound_time=0.0).answer.routes[0].timetable is None
     assert LONG.answer_to_json(answer.untimed()) == {"kind": "routes", "routes": [{"visits": ["a", "b"]}]}
 
 

@@ -127,8 +127,7 @@ def test_where_no_departure_saves_the_gap_it_is_waited_for():
 
 
 def test_a_missed_last_window_is_not_waited_for():
-    plan = schedule(line(windows={2: [(0, 1), (1.5, 1.75)]}), Route((2,)))
-    assert plan.begin.tolist() == [2]
+    assert schedule(line(windows={2: [(0, 1), (1.5, 1.75)]}), Route((2,))).begin.tolist() == [2]
 
 
 def test_energy_is_drawn_from_one_station_to_the_next():
@@ -147,8 +146,7 @@ def test_moves_begin_before_they_close():
 
 
 def test_a_closing_move_ends_the_slack_of_those_before_it():
-    problem = line(ready=[0, 0, 0, 50, 0])
-    assert schedule(problem, Route((1, 3))).duration == 6
+    assert schedule(line(ready=[0, 0, 0, 50, 0]), Route((1, 3))).duration == 6
     closes = np.full((5, 5), math.inf)
     closes[1, 3] = 11.0
     assert schedule(line(closes=closes, ready=[0, 0, 0, 50, 0]), Route((1, 3))).duration == 53 - 10

@@ -412,13 +412,12 @@ def test_a_large_set_that_is_stated_once_is_read_once() -> None:
     sites = Sites.of(range(n), demand=[0, *np.ones(n - 1)])
     problem = RoutingProblem(sites, Travel(EXPLICIT, matrix=np.ones((n, n))), (VehicleType(capacity=5.0),))
     statement = {"moves": {str(a): [str(b) for b in range(n) if a != b] for a in range(n)}}
-    began = time.perf_counter()
+    began = time.process_time()
     for _ in range(300):
         part = problem.restricted([(statement, True)])
-    assert time.perf_counter() - began < 5.0  # 300 x 10,100 moves
+    assert time.process_time() - began < 5.0  # 300 x 10,100 moves
     assert part.needed[0].sum() == n * (n - 1)
-    other = problem.restricted([({"moves": {"1": ["2"]}}, True)])
-    assert other.needed[0].sum() == 1
+    assert problem.restricted([({"moves": {"1": ["2"]}}, True)]).needed[0].sum() == 1
     del statement["moves"]["1"][:50]
     assert problem.restricted([(statement, True)]).needed[0].sum() == n * (n - 1) - 50
 

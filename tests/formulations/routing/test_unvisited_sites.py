@@ -117,8 +117,7 @@ def test_each_reason_in_words():
 
 def test_a_site_beyond_one_route_and_the_capacity_of_the_other_says_both():
     fleet = (VehicleType(1, 3, max_distance=20, name="van"), VehicleType(1, 9, max_distance=9, name="bike"))
-    problem = line(fleet, demand=[0, 2, 2, 2, 2])
-    why = reasons(problem, Route((2,), 0), Route((1,), 1))
+    why = reasons(line(fleet, demand=[0, 2, 2, 2, 2]), Route((2,), 0), Route((1,), 1))
     assert why["d"] == (
         "in this answer there is no room for it in any of 4 places, and no vehicle is left: 2 times it exceeds the capacity by at least 1, "
         "2 times it exceeds the longest distance by at least 1"

@@ -6,6 +6,7 @@ import pandas as pd
 import pytest
 
 import waybound as wb
+from waybound.formulations.problem import PROBLEMS
 from waybound.formulations.routing.named_problems import DEFAULT_OBJECTIVE
 from waybound.formulations.routing.routes import Route, Routes
 from waybound.formulations.routing.unvisited_sites import left_out
@@ -110,6 +111,4 @@ def test_its_answers_are_drawn_and_what_they_leave_out_is_told(name):
 
 @pytest.mark.parametrize("name", DEFAULT_OBJECTIVE)
 def test_every_problem_has_a_constructor_in_the_face_and_a_name_on_the_command_line(name):
-    from waybound.formulations.problem import PROBLEMS
-
     assert callable(getattr(wb, name.replace("-", "_"))) and name in PROBLEMS

@@ -1,4 +1,5 @@
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -77,8 +78,7 @@ def test_stops_at_depots_on_the_way_have_no_place() -> None:
 def test_one_type_of_vehicle_drives_all_routes() -> None:
     problem: Any = wb.read("demo-tiny")
     answer = wb.Routes.of([[1, 2], [3]])
-    again = routes_from_vroom(problem, json.loads(problem.answer_to_text(answer, ".vroom")))
-    assert again == answer
+    assert routes_from_vroom(problem, json.loads(problem.answer_to_text(answer, ".vroom"))) == answer
     check_answer_path(problem, "plan.vroom")
 
 
@@ -109,8 +109,6 @@ def test_a_fault_is_refused_by_its_key(problem: wb.RoutingProblem, path: str, va
 
 
 def test_sites_and_vehicles_without_numbers_are_described(problem: wb.RoutingProblem) -> None:
-    from dataclasses import replace
-
     renamed = replace(problem, fleet=(replace(problem.fleet[0], name="car"), problem.fleet[1]))
     lettered = replace(problem, sites=replace(problem.sites, ids=("a", *problem.sites.ids[1:-1], "z")))
     for changed in (renamed, lettered):

@@ -86,8 +86,7 @@ def test_several_windows_before_moves_that_close_within_a_limited_duration(seed)
             assert (known is None) == (found is None)
             assert found is None or found.duration == known.duration / truth.unit
     if truth.best is not None:
-        bound = check_all_routes(problem, {})
-        assert bound == pytest.approx(float(truth.best[0]), rel=1e-9)
+        assert check_all_routes(problem, {}) == pytest.approx(float(truth.best[0]), rel=1e-9)
 
 
 def test_decimals_that_add_up_to_the_same_decide_no_level_but_the_last():

@@ -185,14 +185,10 @@ def test_the_frame_has_a_row_for_each_action_in_use():
 @pytest.mark.parametrize(
     ("settings", "problem"),
     [
-        ({}, "bottleneck"),
-        ({"fractional": "true"}, "bottleneck-lp"),
-        ({"fractional": True}, "bottleneck-lp"),
-        ({"fractional": False}, "bottleneck"),
-        ({"problem": "bottleneck-lp"}, "bottleneck-lp"),
-        ({"convention": "exact"}, "bottleneck"),
+        ({}, "bottleneck"), ({"fractional": "true"}, "bottleneck-lp"), ({"fractional": True}, "bottleneck-lp"),
+        ({"fractional": False}, "bottleneck"), ({"problem": "bottleneck-lp"}, "bottleneck-lp"), ({"convention": "exact"}, "bottleneck"),
     ],
-)
+)  # fmt: skip
 def test_settings_choose_between_whole_actions_and_shares(settings, problem):
     assert wb.read("figure-3-3", **settings).problem == problem
 

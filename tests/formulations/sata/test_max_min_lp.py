@@ -2,7 +2,8 @@ import json
 
 import numpy as np
 import pytest
-from coded import coded
+from coded import check_coded
+from file_cases import check_refused
 from hypothesis import given, strategies as st
 from random_sensing import optimum
 from sata_cases import matrices_of, random_graph
@@ -12,6 +13,7 @@ import waybound as wb
 from waybound import BottleneckSATA, Evidence, UnsupportedError
 from waybound.formulations.sata.max_min_lp import MaxMinLP, as_row_prices, as_sensing
 from waybound.formulations.verified_bounds import verified_bound
+from waybound.instances.writing import write_instance
 
 seeds = st.integers(0, 2**32 - 1)
 A, C = np.array([[1.0, 1, 0], [0, 0, 2]]), np.array([[1.0, 0, 1], [0, 3, 0]])
@@ -90,12 +92,9 @@ def test_features_tell_sense_and_structure():
 
 
 def test_matrices_that_do_not_fit_are_refused():
-    with pytest.raises(wb.InputError, check=coded("wrong-shape")):
-        wb.MaxMinLP(A, C[:, :2])
-    with pytest.raises(wb.InputError, check=coded("out-of-range")):
-        wb.MaxMinLP(A, -C)
-    with pytest.raises(wb.InputError, check=coded("unknown-name")):
-        program("most")
+    check_coded(wb.InputError, "wrong-shape", wb.MaxMinLP, A, C[:, :2])
+    check_coded(wb.InputError, "out-of-range", wb.MaxMinLP, A, -C)
+    check_coded(wb.InputError, "unknown-name", program, "most")
 
 
 @given(st.lists(st.floats(0, 1e12), min_size=3, max_size=3))
@@ -124,17 +123,13 @@ def test_the_frame_has_a_row_for_each_variable_in_use():
 
 
 def test_a_file_holds_the_whole_program(tmp_path):
-    from waybound.instances.writing import write_instance
-
     problem = program("min", name="small", variable_names=("a", "b", "c"))
     write_instance(problem.instance, tmp_path / "p.json")
     again = wb.read(tmp_path / "p.json")
     assert isinstance(again, wb.MaxMinLP)
     assert (again.digest(), again.sense, again.variable_name(2), again.name) == (problem.digest(), "min", "c", "small")
-    with pytest.raises(wb.UsageError, match="max-min-lp has no setting 'k'"):
-        wb.read(tmp_path / "p.json", k=3)
-    with pytest.raises(wb.UsageError, check=coded("foreign")):
-        wb.read(tmp_path / "p.json", problem="bottleneck")
+    check_refused(wb.UsageError, "max-min-lp has no setting 'k'", wb.read, tmp_path / "p.json", k=3)
+    check_coded(wb.UsageError, "foreign", wb.read, tmp_path / "p.json", problem="bottleneck")
 
 
 # -- one packing row a variable ---------------------------------------------------------------------------------------
@@ -184,7 +179,5 @@ def test_variables_that_cover_nothing_may_stand_in_any_packing_rows_and_are_zero
 
 
 def test_other_programs_are_refused_by_what_they_have() -> None:
-    with pytest.raises(UnsupportedError, match="several-packing-rows"):
-        as_sensing(MaxMinLP([[1.0], [1.0]], [[1.0]]))
-    with pytest.raises(UnsupportedError, match="min-max"):
-        as_sensing(MaxMinLP([[1.0]], [[1.0]], sense="min"))
+    check_refused(UnsupportedError, "several-packing-rows", as_sensing, MaxMinLP([[1.0], [1.0]], [[1.0]]))
+    check_refused(UnsupportedError, "min-max", as_sensing, MaxMinLP([[1.0]], [[1.0]], sense="min"))

@@ -5,11 +5,13 @@ import json
 
 import numpy as np
 import pytest
-from coded import coded
+from coded import check_coded, coded
 from draws import draws
+from file_cases import check_refused
 from hypothesis import given, settings, strategies as st
 
 import waybound as wb
+from waybound.formulations.problem import problem_from_instance
 from waybound.formulations.sata.selections import Selection
 
 seeds = st.integers(0, 2**32 - 1)
@@ -189,8 +191,6 @@ def test_actions_of_a_sensing_graph_are_elements(given_settings, features, best)
     rows = np.array([row for robot in robots for row in robot], dtype=float)
     action, target = np.nonzero(rows)
     graph = wb.SensingGraph.from_edges([0, 0, 1, 1, 2, 2], action, target, rows[action, target])
-    from waybound.formulations.problem import problem_from_instance
-
     problem = problem_from_instance(graph, "selection", **given_settings)
     assert problem.features() == features
     found = [problem.evaluate(Selection(chosen)) for chosen in subsets(6)]
@@ -227,7 +227,5 @@ def test_a_number_of_elements_belongs_to_one_constraint(given_settings, code):
 
 
 def test_a_file_of_a_selection_has_no_settings():
-    with pytest.raises(wb.UsageError, match="selection has no setting 'k'"):
-        wb.read("cover-30", k=3)
-    with pytest.raises(wb.UsageError, check=coded("foreign")):
-        wb.read("demo-tiny", problem="selection")
+    check_refused(wb.UsageError, "selection has no setting 'k'", wb.read, "cover-30", k=3)
+    check_coded(wb.UsageError, "foreign", wb.read, "demo-tiny", problem="selection")

@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from coded import coded
+from coded import check_coded, coded
+from file_cases import check_refused
 from hypothesis import given, strategies as st
 from sata_cases import CASES, dense_weights, random_graph, relabelled, selections, value
 
@@ -104,10 +105,8 @@ def test_a_robot_is_credited_with_nothing_that_its_action_does_not_see():
 
 
 def test_credit_of_another_length_and_other_answers_are_usage_errors():
-    with pytest.raises(wb.UsageError, check=coded("wrong-shape")):
-        wb.WinnerTakesAllSATA(FIGURE).evaluate(Selection.of([0], [0]))
-    with pytest.raises(wb.UsageError, match="is a Selection, not list"):
-        wb.WinnerTakesAllSATA(FIGURE).evaluate([0])
+    check_coded(wb.UsageError, "wrong-shape", wb.WinnerTakesAllSATA(FIGURE).evaluate, Selection.of([0], [0]))
+    check_refused(wb.UsageError, "is a Selection, not list", wb.WinnerTakesAllSATA(FIGURE).evaluate, [0])
 
 
 @given(seeds)
@@ -151,7 +150,5 @@ def test_it_is_facility_location_under_a_partition_matroid():
     problem = wb.WinnerTakesAllSATA(FIGURE)
     assert problem.features() == {"function:facility-location", "constraint:partition"}
     assert (problem.problem, problem.digest()) == ("winner-takes-all", FIGURE.digest())
-    with pytest.raises(wb.UsageError, match="winner-takes-all has no setting 'k'"):
-        wb.read("figure-3-3", problem="winner-takes-all", k=3)
-    with pytest.raises(wb.UsageError, match="cover-30 holds no sensing graph"):
-        wb.read("cover-30", problem="winner-takes-all")
+    check_refused(wb.UsageError, "winner-takes-all has no setting 'k'", wb.read, "figure-3-3", problem="winner-takes-all", k=3)
+    check_refused(wb.UsageError, "cover-30 holds no sensing graph", wb.read, "cover-30", problem="winner-takes-all")

@@ -6,7 +6,7 @@ from bin_assignments import OPTIMA, enumerated, worked
 from draws import draws
 
 import waybound as wb
-from waybound import BinAssignment, UsageError
+from waybound import BinAssignment
 from waybound.reports.ratios.judged_runs import run_heuristic
 
 
@@ -93,20 +93,6 @@ def test_many_rounded_costs_add_up_to_no_false_ratio() -> None:
 def test_an_epsilon_beyond_the_costs_ends_with_an_answer(costs: list[list[float]], epsilon: float) -> None:
     problem = BinAssignment.from_matrix(costs)
     assert problem.evaluate(run(problem, epsilon=epsilon).answer).feasible
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"epsilon": 0}, "epsilon must be a number above 0, not 0"), ({"epsilon": -1.0}, "epsilon must be a number above 0"),
-        ({"epsilon": float("nan")}, "epsilon must be"), ({"epsilon": "small"}, "epsilon must be"),
-        ({"factor": 1.0}, "factor must be a number above 1"),
-        ({"scaling": 3}, "scaling must be true or false"),
-    ],
-)  # fmt: skip
-def test_options_out_of_range_are_refused(options: dict[str, object], message: str) -> None:
-    with pytest.raises(UsageError, match=message):
-        run(worked("O"), **options)
 
 
 @pytest.mark.parametrize(

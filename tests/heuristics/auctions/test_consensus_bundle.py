@@ -2,11 +2,9 @@ import itertools
 
 import numpy as np
 import pytest
-from coded import coded
 from draws import draws
 from task_problems import OBJECTIVES, drawn, line
 
-import waybound as wb
 from waybound.formulations.auctions.task_allocation import TaskAllocation
 from waybound.formulations.stop import NEVER, Stop
 from waybound.heuristics.auctions.consensus_bundle import GRAPHS, consensus, graph_of
@@ -43,15 +41,6 @@ def test_bundles_may_be_small_and_what_is_left_is_inserted():
     problem = line([0, 10], [1, 2, 3, 9])
     found = run_heuristic(problem, CBBA, {"most": 1}, 1)
     assert problem.evaluate(found.answer).feasible and "2 tasks that nobody had room for" in found.message
-
-
-@pytest.mark.parametrize(
-    ("options", "code"),
-    [({"communication": "pigeons"}, "unknown-name"), ({"most": 0}, "out-of-range"), ({"most": "two"}, "out-of-range")],
-)
-def test_other_options_are_refused(options, code):
-    with pytest.raises(wb.UsageError, check=coded(code)):
-        run_heuristic(line([0], [1]), CBBA, options, 1)
 
 
 class Coverage:

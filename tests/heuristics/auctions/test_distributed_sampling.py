@@ -2,7 +2,6 @@ import itertools
 
 import numpy as np
 import pytest
-from coded import coded
 from task_problems import best_partition_value, drawn, parts
 
 import waybound as wb
@@ -35,12 +34,6 @@ def test_it_begins_with_the_nearest_robot_or_with_a_start():
     assert run_heuristic(problem, DSA, {}, 1).answer == ((0, 1), (2,))
     assert run_heuristic(problem, DSA, {"initial": "first"}, 1).answer == ((0, 1, 2), ())
     assert wb.solve(problem, heuristic=DSA, start=((), (0, 1, 2)), bound_time=0).answer == ((), (0, 1, 2))
-
-
-@pytest.mark.parametrize(("options", "code"), [({"initial": "random"}, "unknown-name"), ({"most_moves": -1}, "out-of-range")])
-def test_other_options_are_refused(options, code):
-    with pytest.raises(wb.UsageError, check=coded(code)):
-        run_heuristic(parts([0, 1]), DSA, options, 1)
 
 
 ALL_IN_ONE = ((0, 1, 2, 3, 4), ())

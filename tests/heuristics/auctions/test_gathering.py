@@ -4,7 +4,8 @@ import itertools
 
 import numpy as np
 import pytest
-from coded import coded
+from coded import check_coded, coded
+from file_cases import check_refused
 
 from waybound.heuristics.auctions._gathering import expected_contents, next_stop, receding_order, reward_split, urgencies, water_filled
 from waybound.instances.errors import InputError, UsageError
@@ -55,10 +56,8 @@ def test_what_makes_no_sense_is_refused():
     ):  # fmt: skip
         with pytest.raises(InputError, check=coded(code)):
             urgencies(*given)
-    with pytest.raises(UsageError, match="urgency must be shifted, literal, rate"):
-        urgencies([1], [1], [1], "soon")
-    with pytest.raises(UsageError, check=coded("out-of-range")):
-        next_stop(np.ones(2), np.ones((2, 2)), 0)
+    check_refused(UsageError, "urgency must be shifted, literal, rate", urgencies, [1], [1], [1], "soon")
+    check_coded(UsageError, "out-of-range", next_stop, np.ones(2), np.ones((2, 2)), 0)
 
 
 def test_the_example_with_and_without_a_capacity():

@@ -4,7 +4,7 @@ from draws import draws
 from orchard_cases import SCHEDULES, random_jobs, retrievals
 
 import waybound as wb
-from waybound import OrchardDay, OrchardJobs, UsageError
+from waybound import OrchardDay, OrchardJobs
 from waybound.instances.auctions.orchard_grid import OrchardGrid
 
 
@@ -66,8 +66,3 @@ def test_nothing_is_guaranteed_where_robots_wait_or_bring_bins():
         problem = OrchardDay(random_jobs(rng, robots=2, bins=6))
         for order in ("nearest", "longest"):
             assert wb.solve(problem, heuristic="list-schedule", order=order).certificate.feasible
-
-
-def test_an_unknown_order_is_refused():
-    with pytest.raises(UsageError, match="order must be one of nearest, longest"):
-        wb.solve(retrievals(((0, 1),), (0,)), heuristic="list-schedule", order="best")

@@ -2,8 +2,9 @@ import itertools
 
 import numpy as np
 import pytest
-from coded import coded
+from coded import check_coded
 from draws import draws
+from file_cases import check_refused
 from knapsack_assignments import enumerated, random_assignment, worked
 
 import waybound as wb
@@ -34,10 +35,8 @@ def test_two_is_attained() -> None:
 
 def test_an_order_is_one_of_all_agents() -> None:
     assert wb.solve(worked("profit"), heuristic="local-ratio", order=(1, 0), bound_time=0).certificate.feasible
-    with pytest.raises(UsageError, check=coded("malformed")):
-        wb.solve(worked("profit"), heuristic="local-ratio", order=(1, 1))
-    with pytest.raises(WayboundError, match="objective:cost"):
-        wb.solve(worked(), heuristic="local-ratio")
+    check_coded(UsageError, "malformed", wb.solve, worked("profit"), heuristic="local-ratio", order=(1, 1))
+    check_refused(WayboundError, "objective:cost", wb.solve, worked(), heuristic="local-ratio")
 
 
 def best_of(worth: np.ndarray, weights: np.ndarray, most: float) -> float:

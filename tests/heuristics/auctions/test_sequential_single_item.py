@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 from draws import draws
+from file_cases import check_refused
 from task_problems import OBJECTIVES, drawn, line
 
 import waybound as wb
@@ -66,7 +67,5 @@ def test_best_paths_are_beyond_nine_tasks_continued_by_insertion():
 
 
 def test_other_bids_and_paths_are_refused():
-    with pytest.raises(wb.UsageError, match="bids must be sum, max, ave, not 'least'"):
-        wb.solve(line([0], [1]), heuristic=SSI, bids="least")
-    with pytest.raises(wb.UsageError, match="paths must be insertion or optimal"):
-        wb.solve(line([0], [1]), heuristic=SSI, paths="best")
+    check_refused(wb.UsageError, "bids must be sum, max, ave, not 'least'", wb.solve, line([0], [1]), heuristic=SSI, bids="least")
+    check_refused(wb.UsageError, "paths must be insertion or optimal", wb.solve, line([0], [1]), heuristic=SSI, paths="best")

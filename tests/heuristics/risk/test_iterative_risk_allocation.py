@@ -57,8 +57,7 @@ def test_every_round_is_allowed_and_no_worse(seed: int) -> None:
 
 
 def test_equal_risks_without_a_plan_end_it() -> None:
-    p = problem(constraints={"decisions": [[1, 1]], "lower": 6.72})
-    result = iterative(p, context())
+    result = iterative(problem(constraints={"decisions": [[1, 1]], "lower": 6.72}), context())
     assert result.answer is None and result.statistics["end"] == "infeasible"
     assert "no plan with equal risks" in result.message
 

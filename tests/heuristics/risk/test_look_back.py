@@ -10,8 +10,7 @@ from waybound.instances.risk.elements import LocaleRisk
 
 
 def test_the_start_has_its_own_risk_and_unreachable_states_have_no_label():
-    problem = cases.table_3_1()
-    result = look_back(problem, 2, NEVER)
+    result = look_back(cases.table_3_1(), 2, NEVER)
     assert result[0] == (pytest.approx(-np.log(0.99)), (0,)) and len(result) == 12
 
 
@@ -30,8 +29,7 @@ def test_hazards_are_those_of_the_walks_found(seed):
 
 
 def test_ties_go_to_the_fewest_moves():
-    problem = cases.lattice(3, 3, 8)
-    assert len(look_back(problem, 2, NEVER)[8][1]) == 3
+    assert len(look_back(cases.lattice(3, 3, 8), 2, NEVER)[8][1]) == 3
 
 
 def test_loops_are_left_out_first_to_last():
@@ -55,8 +53,7 @@ def test_guaranteed_where_risks_look_back_no_farther_than_it_does(seed):
 
 
 def test_one_step_is_exact_for_places():
-    problem = cases.lattice(3, 3)
-    assert wb.solve(problem, heuristic="look-back", steps=1).certificate.guarantee.ratio == 1.0
+    assert wb.solve(cases.lattice(3, 3), heuristic="look-back", steps=1).certificate.guarantee.ratio == 1.0
 
 
 def test_loops_are_repaired_by_the_better_of_two_ways():

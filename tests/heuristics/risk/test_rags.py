@@ -115,8 +115,3 @@ def test_it_takes_the_route_of_the_source_which_no_risk_asks_for():
 @pytest.mark.parametrize("options", [{"comparison": "joint"}, {"rule": "scan"}, {"dominance": "strict"}, {"first_edges": "shared"}])
 def test_its_options_are_taken(options):
     assert wb.solve(UncertainPath(graph_of(WORKED), 0.05), heuristic="rags", **options).certificate.feasible
-
-
-def test_unknown_options_of_the_heuristic_are_refused():
-    with pytest.raises(UsageError, match="rule must be one of best, scan"):
-        wb.solve(UncertainPath(graph_of(WORKED), 0.05), heuristic="rags", rule="worst")

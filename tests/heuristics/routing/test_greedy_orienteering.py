@@ -8,7 +8,7 @@ from hypothesis import example, given, settings, strategies as st
 from small_routing import context
 from truth.routing import best_values
 
-from waybound import Reward, RoutingProblem, Sites, Travel, UsageError, VehicleType
+from waybound import Reward, RoutingProblem, Sites, Travel, VehicleType
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.reports.ratios.judged_runs import run_heuristic
 
@@ -62,11 +62,6 @@ def test_whoever_must_be_visited_comes_first() -> None:
     sites = Sites.of(range(3), reward=[0, 9, 0], required=[False, False, True])
     problem = RoutingProblem(sites, travel, (VehicleType(count=1, max_distance=20.0),), Reward())
     assert problem.evaluate(run_heuristic(problem, "greedy-orienteering", {}, 1).answer).feasible
-
-
-def test_a_rule_that_there_is_not_is_refused() -> None:
-    with pytest.raises(UsageError, match="density, reward"):
-        run_heuristic(tours(1, 3, False, 1), "greedy-orienteering", {"by": "luck"}, 1)
 
 
 def test_cut_short_fewer_are_visited() -> None:

@@ -72,8 +72,7 @@ def test_the_same_seed_finds_the_same_and_a_start_is_kept_where_it_is_good() -> 
     problem = line(None, 0.15)
     assert run_heuristic(problem, NAME, {}, 5).answer == run_heuristic(problem, NAME, {}, 5).answer
     start = Routes.of([[1], [2, 4], [3]])
-    solution = solve(problem, heuristic=NAME, start=start, bound_time=0.0)
-    assert solution.objective == 34.0
+    assert solve(problem, heuristic=NAME, start=start, bound_time=0.0).objective == 34.0
 
 
 def test_what_it_cannot_take_is_named() -> None:
@@ -221,8 +220,7 @@ def test_the_best_choice_keeps_the_risk_of_the_team(team_risk: float, cost: floa
 
 
 def test_routes_that_break_a_limit_by_themselves_are_not_kept() -> None:
-    problem = line(None, 0.02, 4)
-    pool = Pool(problem)
+    pool = Pool(line(None, 0.02, 4))
     before = set(pool.routes)
     assert Route((4,)) not in before  # overruns with 0.0544
     pool.add(Routes.of([[1, 2], [2, 4], [1, 3]]))
@@ -230,8 +228,7 @@ def test_routes_that_break_a_limit_by_themselves_are_not_kept() -> None:
 
 
 def test_a_maximum_that_should_be_large_is_beyond_it() -> None:
-    problem = replace(line(None, 0.1, 4), objective=Objective.of(Reward() + Makespan()))
-    pool = Pool(problem)
+    pool = Pool(replace(line(None, 0.1, 4), objective=Objective.of(Reward() + Makespan())))
     pool.add(Routes.of([[1]]))
     assert not pool.routes and pool.best(Stop(), 1, None) is None
 

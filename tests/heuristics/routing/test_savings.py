@@ -4,7 +4,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from coded import coded
 from draws import draws
 from hypothesis import given, settings, strategies as st
 from small_routing import context
@@ -78,12 +77,6 @@ def test_a_fleet_too_small_is_said() -> None:
     problem = problem_of(np.random.default_rng(5), 20, windows=True, limit=False)
     tight = RoutingProblem(problem.sites, problem.travel, (VehicleType(count=1, capacity=25),))
     assert "for a fleet of 1" in HEURISTICS["savings"].run(tight, CONTEXT).message
-
-
-@pytest.mark.parametrize("shape", [0, -1, math.nan, math.inf, "wide"])
-def test_a_shape_out_of_range_is_refused(shape: object) -> None:
-    with pytest.raises(UsageError, check=coded("out-of-range")):
-        HEURISTICS["savings"].run(problem_of(np.random.default_rng(1), 3, windows=False, limit=False), CONTEXT, shape=shape)
 
 
 # -- large instances, and being cut short ------------------------------------------------------------------------------

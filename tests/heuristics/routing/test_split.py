@@ -60,8 +60,7 @@ def test_windows_and_limits_are_kept() -> None:
     xy = [(0, 0), (3, 0), (3, 4), (0, 4), (-3, 0)]
     sites = Sites.of(range(5), ready=[0, 0, 0, 10, 0], due=[math.inf, 20, 6, 12, 4])
     problem = RoutingProblem(sites, Travel("euclidean", xy), (VehicleType(count=4),))
-    found = run_heuristic(problem, "split", {}, 1)
-    assert problem.evaluate(found.answer).feasible
+    assert problem.evaluate(run_heuristic(problem, "split", {}, 1).answer).feasible
     limited = RoutingProblem(Sites.of(range(5)), Travel("euclidean", xy), (VehicleType(count=2, max_distance=12.0),))
     judged = limited.evaluate(run_heuristic(limited, "split", {}, 1).answer)
     assert judged.feasible and judged.values[0] == 24.0

@@ -28,8 +28,7 @@ def test_no_worse_than_the_published_cuts_of_a_shortest_tour(
 ) -> None:
     problem = shared(points, vehicles)
     found = run_heuristic(problem, "tour-splitting", {}, 1)
-    value = problem.evaluate(found.answer).values[0]
-    assert value <= cut + 1e-6
+    assert problem.evaluate(found.answer).values[0] <= cut + 1e-6
     tour = found.statistics["tour"]
     farthest = float(problem.travel.distances[0].max())
     assert (tour - 2 * farthest) / vehicles + 2 * farthest == pytest.approx(stated, abs=1e-4)
@@ -59,14 +58,12 @@ def test_moves_far_from_metric_widen_the_ratio_by_what_they_cost() -> None:
     problem = RoutingProblem(Sites.of(range(4)), Travel(EXPLICIT, matrix=matrix), (VehicleType(count=3),), LongestRoute())
     found = run_heuristic(problem, "tour-splitting", {}, 1)
     judged, best = problem.evaluate(found.answer), best_values(problem)
-    assert best is not None and found.guarantee is not None
     assert judged.values[0] <= found.guarantee.ratio * best[0] + 1e-9
     assert "shortest paths" in found.guarantee.assumptions[1]
 
 
 def test_cut_short_everybody_is_visited_and_nothing_is_stated() -> None:
-    problem = shared(OCTO, 3)
-    found = HEURISTICS["tour-splitting"].run(problem, context(0.0))
+    found = HEURISTICS["tour-splitting"].run(shared(OCTO, 3), context(0.0))
     assert sorted(site for route in found.answer for site in route.visits) == list(range(1, 9))
     assert found.limit == "time" and found.guarantee is None
 

@@ -201,7 +201,7 @@ def test_what_a_users_function_returns_is_checked(heuristic: str, bad: object, c
 
 
 def test_bottleneck_greedy_can_be_arbitrarily_bad_and_promises_nothing() -> None:
-    for d in (0.1, 0.01):
+    for d in (0.1, 0.01, 1e-6):
         problem = BottleneckSATA(graph_of_rows([(d, d), (1, 0)], [(0, 1)]))
         outcome = run("greedy", problem)
         assert value(problem, outcome) == pytest.approx(d)
@@ -248,17 +248,13 @@ def slow_roots(masks):  # type: ignore[no-untyped-def]
 @pytest.mark.parametrize(
     ("heuristic", "constraint"),
     [
-        ("greedy", Cardinality(150)),
-        ("lazy-greedy", Cardinality(150)),
-        ("stochastic-greedy", Cardinality(150)),
-        ("sequential-greedy", PartitionMatroid.of(np.arange(200))),
-        ("brute-force", Cardinality(3)),
+        ("greedy", Cardinality(150)), ("lazy-greedy", Cardinality(150)), ("stochastic-greedy", Cardinality(150)),
+        ("sequential-greedy", PartitionMatroid.of(np.arange(200))), ("brute-force", Cardinality(3)),
     ],
-)
+)  # fmt: skip
 def test_a_slow_function_ends_at_the_time_limit_without_a_guarantee(heuristic: str, constraint: Cardinality | PartitionMatroid) -> None:
     n = 150 if heuristic == "brute-force" else 200
-    f = UserFunction(slow_roots, n, monotone=True, submodular=True)
-    problem = SubmodularSelection(f, constraint)
+    problem = SubmodularSelection(UserFunction(slow_roots, n, monotone=True, submodular=True), constraint)
     outcome = HEURISTICS[heuristic].run(problem, context(seconds=0.05))
     assert problem.evaluate(outcome.answer).feasible
     assert outcome.guarantee is None

@@ -3,7 +3,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from coded import coded
+from coded import check_coded
 from sata_cases import CASES
 from selection_problems import CONSTRAINTS, KINDS, context, cover_30, optimum, random_problem
 
@@ -108,7 +108,5 @@ def test_robots_without_shares_take_no_action_and_the_order_of_actions_is_free()
 
 
 def test_an_unknown_rule_and_random_without_a_generator_are_refused() -> None:
-    with pytest.raises(UsageError, check=coded("unknown-name")):
-        largest_shares(GRAPH, np.zeros(6), "lowest")
-    with pytest.raises(UsageError, check=coded("missing")):
-        largest_shares(GRAPH, np.zeros(6), "random")
+    check_coded(UsageError, "unknown-name", largest_shares, GRAPH, np.zeros(6), "lowest")
+    check_coded(UsageError, "missing", largest_shares, GRAPH, np.zeros(6), "random")

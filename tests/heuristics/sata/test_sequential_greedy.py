@@ -68,8 +68,7 @@ def test_no_order_falls_below_half_of_the_optimum(seed: int, kind: str, whole: b
 
 
 def test_each_action_of_a_robot_is_evaluated_once() -> None:
-    problem = winner_takes_all(*S10)
-    outcome = run("sequential-greedy", problem)
+    outcome = run("sequential-greedy", winner_takes_all(*S10))
     assert outcome.statistics["evaluations"] == 6
     assert outcome.statistics["communication_rounds"] == 3
 
@@ -92,8 +91,7 @@ def test_an_order_by_name_and_as_on_a_command_line() -> None:
     for order in (["cyd", "bob", "ada"], "cyd,bob,ada", "cyd, bob, ada", np.array([2, 1, 0]), (2, 1, 0)):
         assert run("sequential-greedy", problem, order=order).answer == expected
     assert run("sequential-greedy", winner_takes_all(*S10), order="3,2,1").answer == expected
-    alone = winner_takes_all([(1, 2)])
-    assert run("sequential-greedy", alone, order=1).answer.elements == (0,)
+    assert run("sequential-greedy", winner_takes_all([(1, 2)]), order=1).answer.elements == (0,)
 
 
 def test_robots_without_actions_and_without_sight_are_passed_over() -> None:

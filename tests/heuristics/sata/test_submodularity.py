@@ -3,7 +3,7 @@ import math
 
 import numpy as np
 import pytest
-from coded import coded
+from coded import check_coded
 from hypothesis import given, strategies as st
 from selection_problems import CONSTRAINTS, KINDS, cover_30, feasible_sets, random_constraint, random_function, run
 
@@ -166,9 +166,7 @@ def test_bad_arguments_are_refused(arguments: tuple[object, ...], options: dict[
 
 
 def test_bad_values_are_refused() -> None:
-    with pytest.raises(InputError, check=coded("wrong-shape")):
-        check_submodular(lambda masks: masks, 3)
-    with pytest.raises(InputError, check=coded("out-of-range")):
-        check_submodular(lambda masks: np.full(len(masks), math.nan), 3)
+    check_coded(InputError, "wrong-shape", check_submodular, lambda masks: masks, 3)
+    check_coded(InputError, "out-of-range", check_submodular, lambda masks: np.full(len(masks), math.nan), 3)
     with pytest.raises(InputError, match="costs must have one entry an element"):
         check_submodular(cover_30(3), constraint=random_constraint(np.random.default_rng(1), "knapsack", 5))

@@ -15,26 +15,14 @@ MATRIX = PAIRS.pivot(index="robot", columns="bin", values="cost")
 @pytest.mark.parametrize(
     "frame",
     [
-        PAIRS,
-        PAIRS[["cost", "bin", "robot"]],
-        PAIRS.rename(columns=str.upper),
-        PAIRS.rename(columns={"cost": " Cost"}),
-        PAIRS.set_index(["robot", "bin"]),
-        PAIRS.set_index("robot"),
-        PAIRS.astype("string"),
-        PAIRS.astype({"robot": "category"}),
-        pd.concat([PAIRS, pd.DataFrame({"robot": ["r1"]})]),
-        MATRIX,
-        MATRIX.astype(object),
-        MATRIX.astype("Float64"),
-        MATRIX.fillna(INF),
-        MATRIX.astype(object).where(MATRIX.notna(), "-"),
-        MATRIX.reset_index(),
+        PAIRS, PAIRS[["cost", "bin", "robot"]], PAIRS.rename(columns=str.upper), PAIRS.rename(columns={"cost": " Cost"}),
+        PAIRS.set_index(["robot", "bin"]), PAIRS.set_index("robot"), PAIRS.astype("string"), PAIRS.astype({"robot": "category"}),
+        pd.concat([PAIRS, pd.DataFrame({"robot": ["r1"]})]), MATRIX, MATRIX.astype(object), MATRIX.astype("Float64"), MATRIX.fillna(INF),
+        MATRIX.astype(object).where(MATRIX.notna(), "-"), MATRIX.reset_index(),
         MATRIX.reset_index().rename(columns={"robot": "Robot"})[["a", "Robot", "b"]],
-        MATRIX.reset_index().rename(columns={"robot": "robot/bin"}),
-        MATRIX.reset_index().rename(columns={"robot": "who"}),
+        MATRIX.reset_index().rename(columns={"robot": "robot/bin"}), MATRIX.reset_index().rename(columns={"robot": "who"}),
     ],
-)
+)  # fmt: skip
 def test_pairs_in_any_order_and_case_and_matrices_are_the_same_data(frame: pd.DataFrame) -> None:
     made = AssignmentInstance.from_frame(frame)
     assert (made.robot_names, made.bin_names) == (("r1", "r2"), ("a", "b"))

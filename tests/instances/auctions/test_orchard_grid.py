@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 from coded import coded
+from scipy.sparse.csgraph import shortest_path
 
 from waybound.instances.auctions.orchard_grid import OrchardGrid
 from waybound.instances.errors import InputError
@@ -22,7 +23,6 @@ def test_distances_and_times_are_those_of_the_reference(start, end, distance, em
 @pytest.mark.parametrize(("rows", "columns"), [(1, 6), (4, 5), (5, 10), (10, 10)])
 def test_distances_are_shortest_ways_of_the_lanes(rows, columns):
     from scipy.sparse import lil_matrix
-    from scipy.sparse.csgraph import shortest_path
 
     grid = OrchardGrid(rows, columns)
     edges = lil_matrix((grid.size, grid.size))

@@ -3,6 +3,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from coded import coded
+from file_cases import check_refused
 
 import waybound as wb
 from waybound.instances.auctions.robot_tasks import RobotTasks
@@ -86,10 +87,8 @@ def test_frames_are_read_with_names_and_weights():
     ],
 )
 def test_other_frames_are_refused(robots, tasks, message):
-    with pytest.raises(InputError, match=message):
-        RobotTasks.from_frame(pd.DataFrame(robots), pd.DataFrame(tasks))
-    with pytest.raises(InputError, match="robots must be a pandas frame"):
-        RobotTasks.from_frame([1], pd.DataFrame(tasks))
+    check_refused(InputError, message, RobotTasks.from_frame, pd.DataFrame(robots), pd.DataFrame(tasks))
+    check_refused(InputError, "robots must be a pandas frame", RobotTasks.from_frame, [1], pd.DataFrame(tasks))
 
 
 def test_on_a_graph_distances_are_shortest_paths():

@@ -31,22 +31,14 @@ def test_a_valid_value_has_the_type_of_its_setting(setting: Setting, given: Any,
 @pytest.mark.parametrize(
     ("setting", "given", "words"),
     [
-        (COUNT, "0", "s must lie between 1 and 9, not '0'"),
-        (COUNT, 10, "between 1 and 9"),
-        (COUNT, "2.0", "s must be a whole number, not '2.0'"),
-        (COUNT, "two", "must be a whole number"),
-        (COUNT, None, "s must have a value"),
-        (COUNT, "none", "must be a whole number"),
-        (SHARE, "nan", "between 0 and 1"),
-        (Setting(1.0, "any"), "inf", "between -inf and inf"),
-        (SHARE, "much", "s must be a number"),
-        (FLAG, "perhaps", "s must be true or false"),
-        (SHAPE, "square", "s must be one of ring, Star, not 'square'"),
-        (NAME, "", "printable, of 1 to 100 characters"),
-        (NAME, "a\nb", "printable"),
-        (NAME, "x" * 101, "1 to 100"),
+        (COUNT, "0", "s must lie between 1 and 9, not '0'"), (COUNT, 10, "between 1 and 9"),
+        (COUNT, "2.0", "s must be a whole number, not '2.0'"), (COUNT, "two", "must be a whole number"),
+        (COUNT, None, "s must have a value"), (COUNT, "none", "must be a whole number"), (SHARE, "nan", "between 0 and 1"),
+        (Setting(1.0, "any"), "inf", "between -inf and inf"), (SHARE, "much", "s must be a number"),
+        (FLAG, "perhaps", "s must be true or false"), (SHAPE, "square", "s must be one of ring, Star, not 'square'"),
+        (NAME, "", "printable, of 1 to 100 characters"), (NAME, "a\nb", "printable"), (NAME, "x" * 101, "1 to 100"),
     ],
-)
+)  # fmt: skip
 def test_another_value_is_refused_with_what_would_do(setting: Setting, given: Any, words: str) -> None:
     check_refused(UsageError, words, setting.value, "s", given)
 

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 from coded import coded
+from file_cases import check_refused
 
 from waybound.instances.errors import InputError
 from waybound.instances.risk.element import RiskElement, TraverseElement, placed, probabilities, rate_of
@@ -31,10 +32,8 @@ SPACE = SimpleNamespace(num_states=4, positions=np.arange(8.0).reshape(4, 2))
 
 
 def test_an_element_is_none_before_it_tells_its_risks():
-    with pytest.raises(TypeError, match="abstract"):
-        RiskElement()
-    with pytest.raises(TypeError, match="begin"):
-        type("Idle", (TraverseElement,), {name: lambda self, space: None for name in ("check", "parts")})()
+    check_refused(TypeError, "abstract", RiskElement)
+    check_refused(TypeError, "begin", type("Idle", (TraverseElement,), {name: lambda self, space: None for name in ("check", "parts")}))
 
 
 def test_a_memory_is_carried_on_and_no_worse_than_itself_alone():
@@ -49,8 +48,7 @@ def test_a_memory_is_carried_on_and_no_worse_than_itself_alone():
 
 def test_whatever_the_path_was_an_unknown_memory_proves_no_risk():
     ways = np.array([[-1, 0, 1], [0, 1, 2], [1, 2, 3]])
-    least = Visited().least(SPACE, *ways.T)
-    assert least.tolist() == [0.0, 0.0, 0.0]
+    assert Visited().least(SPACE, *ways.T).tolist() == [0.0, 0.0, 0.0]
     assert Visited().least(SPACE, *ways[:0].T).shape == (0,)
 
 

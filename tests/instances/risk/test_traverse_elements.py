@@ -26,12 +26,8 @@ def test_memories_are_ordered_only_where_more_is_never_safer():
 
 def test_the_way_travelled_is_free_at_first():
     expected = [
-        0,
-        0,
-        -math.expm1(-0.1 * (math.sqrt(2) - 0.5)),
-        -math.expm1(-0.1 * (math.sqrt(2) + 0.5)),
-        -math.expm1(-0.1 * (math.sqrt(2) + 2.5)),
-    ]
+        0, 0, -math.expm1(-0.1 * (math.sqrt(2) - 0.5)), -math.expm1(-0.1 * (math.sqrt(2) + 0.5)), -math.expm1(-0.1 * (math.sqrt(2) + 2.5)),
+    ]  # fmt: skip
     assert risks(TravelledRisk(0.1, 1.5)) == pytest.approx(expected)
 
 
@@ -40,8 +36,7 @@ def test_a_tether_charges_length_and_contacts_and_ends_where_it_cannot_follow():
     element = TetherRisk(Tether((0, 0), [[1, 1, 2, 2]]), 0.01, 0.03)
     assert risks(element, at, LINE[:2]) == pytest.approx([0.03, 0.0316227766, 1 - (1 - 0.0365028154) * 0.97])
     assert risks(TetherRisk(Tether((0, 0), []), 1e-17), at, LINE[:2])[0] == pytest.approx(3e-17, rel=1e-15, abs=0.0)
-    through = np.array([(0, 1.5), (3, 1.5)])
-    assert risks(element, through, LINE[:1])[1] == 1.0
+    assert risks(element, np.array([(0, 1.5), (3, 1.5)]), LINE[:1])[1] == 1.0
 
 
 def test_functions_of_ones_own_see_the_whole_path():

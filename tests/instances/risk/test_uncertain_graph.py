@@ -93,8 +93,7 @@ def test_a_frame_gives_the_graph_and_back():
 
 def test_whole_numbers_are_names_in_their_order():
     frame = pd.DataFrame({"from": [10, 2], "to": [2, 1], "mean": [1, 1], "variance": [0, 0]})
-    g = UncertainGraph.from_frame(frame, start=10, goal=1)
-    assert g.vertex_names == ("1", "2", "10")
+    assert UncertainGraph.from_frame(frame, start=10, goal=1).vertex_names == ("1", "2", "10")
 
 
 def test_an_undirected_edge_leads_both_ways_at_one_cost():

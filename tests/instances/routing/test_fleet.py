@@ -44,8 +44,7 @@ def test_the_first_problem_is_what_the_data_mean_and_least_cost_is_always_allowe
     data: dict[str, Any], fleet: tuple[VehicleType, ...], first: str
 ) -> None:
     xy = np.array([(0, 0), (3, 0), (0, 4)], dtype=float)
-    made = RoutingInstance("tiny", "json", sites(**data), Travel("euclidean", xy), fleet)
-    found = problems_of(made)
+    found = problems_of(RoutingInstance("tiny", "json", sites(**data), Travel("euclidean", xy), fleet))
     assert found[0] == first and "min-cost-vrp" in found
     assert ("min-makespan-vrp" in found) == any(v.count is not None for v in fleet)
     assert len(set(found)) == len(found)

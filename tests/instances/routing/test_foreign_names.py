@@ -16,18 +16,10 @@ PLAIN = {"id", "name", "description", "location", "self", "default_service"}
 
 ROUTING_GUIDES = {
     "sites": (
-        "demands",
-        "time_windows",
-        "pickups_deliveries",
-        "penalty",
-        "service_time",
-        "num_vehicles",
-        "vehicle_capacities",
-        "starts",
-        "ends",
+        "demands", "time_windows", "pickups_deliveries", "penalty", "service_time", "num_vehicles", "vehicle_capacities", "starts", "ends",
     ),
     "fleet": ("vehicle_capacities", "num_vehicles", "starts", "ends", "vehicle_load_time", "max_route_distance"),
-}
+}  # fmt: skip
 """Data of OR-Tools' guides of routing, which are no fields of a class."""
 
 

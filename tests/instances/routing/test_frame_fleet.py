@@ -135,13 +135,10 @@ def test_a_matrix_that_does_not_fit_is_refused(given: Any, message: str) -> None
 @pytest.mark.parametrize(
     ("title", "own"),
     [
-        ("tw_early", "shift_start"),
-        ("num_available", "count"),
-        ("Shift Duration", "max_duration"),
-        ("start_index", "start"),
+        ("tw_early", "shift_start"), ("num_available", "count"), ("Shift Duration", "max_duration"), ("start_index", "start"),
         ("profile", "travel"),
     ],
-)
+)  # fmt: skip
 def test_names_of_others_are_refused_with_ours(title: str, own: str) -> None:
     for given in (pd.DataFrame({title: [1]}), [{title: 1}]):
         check_refused(InputError, f"unknown (column|key) '{title}'; did you mean '{own}'", fleet, given)

@@ -260,14 +260,10 @@ def test_what_would_be_misread_is_refused_with_the_cure(frame: pd.DataFrame, opt
 @pytest.mark.parametrize(
     ("columns", "given"),
     [
-        ({}, {"max_distance": 1.0}),
-        ({}, {"fleet": [{"energy": {"capacity": 1}}]}),
-        ({}, {"travel": np.full((3, 3), np.inf)}),
-        ({"due": [9.0, 0.0, 0.0]}, {}),
-        ({"demand": [0.0, 9, 9]}, {"capacity": 1}),
-        ({"skills": ["", "cold", "cold"]}, {}),
+        ({}, {"max_distance": 1.0}), ({}, {"fleet": [{"energy": {"capacity": 1}}]}), ({}, {"travel": np.full((3, 3), np.inf)}),
+        ({"due": [9.0, 0.0, 0.0]}, {}), ({"demand": [0.0, 9, 9]}, {"capacity": 1}), ({"skills": ["", "cold", "cold"]}, {}),
     ],
-)
+)  # fmt: skip
 @pytest.mark.parametrize(
     ("solver", "limits"),
     [("highs", {}), ("pyvrp", {"iterations": 20}), pytest.param("ortools", {"time_limit": 5.0}, marks=pytest.mark.slow)],
@@ -313,8 +309,7 @@ def test_times_of_day_are_told_as_such_in_errors_reasons_and_files(tmp_path) -> 
     assert broken.message.endswith("at 06:30, due 06:10")
     fine = wb.RoutingProblem.from_frame(sites.assign(due=[late, late]), time_unit="min", vehicles=1, capacity=5)
     fine.save(tmp_path / "day.json")
-    again = wb.read(tmp_path / "day.json")
-    assert again.clock == fine.clock and fine.clock.of_day
+    assert wb.read(tmp_path / "day.json").clock == fine.clock and fine.clock.of_day
     assert "06:00 to 18:00" in fine._repr_html_()
 
 

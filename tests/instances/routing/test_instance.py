@@ -16,12 +16,9 @@ XY = np.array([[0.0, 0], [0, 3], [4, 0], [4, 3]])
 
 def instance(**changes: Any) -> RoutingInstance:
     parts = {
-        "name": "tiny",
-        "format": "test",
-        "sites": Sites.of("dabc", demand=[0, 1, 2, 3], coordinates=XY),
-        "travel": Travel("euclidean", coordinates=XY),
-        "fleet": (VehicleType(2, 5.0),),
-    }
+        "name": "tiny", "format": "test", "sites": Sites.of("dabc", demand=[0, 1, 2, 3], coordinates=XY),
+        "travel": Travel("euclidean", coordinates=XY), "fleet": (VehicleType(2, 5.0),),
+    }  # fmt: skip
     return RoutingInstance(**{**parts, **changes})
 
 
@@ -74,15 +71,11 @@ def test_a_depot_is_never_required() -> None:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"count": 0}, "at least 1"),
-        ({"capacity": -1.0}, "capacity of vehicle"),
-        ({"capacity": math.nan}, "capacity of vehicle"),
-        ({"max_duration": math.nan}, "max_duration"),
-        ({"max_distance": -5}, "max_distance"),
-        ({"fixed_cost": math.inf}, "fixed_cost"),
+        ({"count": 0}, "at least 1"), ({"capacity": -1.0}, "capacity of vehicle"), ({"capacity": math.nan}, "capacity of vehicle"),
+        ({"max_duration": math.nan}, "max_duration"), ({"max_distance": -5}, "max_distance"), ({"fixed_cost": math.inf}, "fixed_cost"),
         ({"unit_cost": -1}, "unit_cost"),
     ],
-)
+)  # fmt: skip
 def test_a_vehicle_refuses_what_makes_no_sense(changes: dict[str, Any], message: str) -> None:
     with pytest.raises(InputError, match=message):
         VehicleType(**changes)
@@ -143,13 +136,8 @@ def test_a_digest_tells_values_types_and_shapes_apart() -> None:
     a = np.array([1.0, 2.0])
     assert digest(a, "x") == digest(a.copy(), "x")
     different = [
-        digest(a),
-        digest(a[None]),
-        digest(np.array([1, 2])),
-        digest(np.array([1.0, np.nextafter(2, 3)])),
-        digest("a", "b"),
-        digest("ab"),
-    ]
+        digest(a), digest(a[None]), digest(np.array([1, 2])), digest(np.array([1.0, np.nextafter(2, 3)])), digest("a", "b"), digest("ab"),
+    ]  # fmt: skip
     assert len(set(different)) == len(different)
 
 

@@ -5,9 +5,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from file_cases import refused
 from small_routing import WHOLE_FAMILY, varied
 
-from waybound import Energy, InputError, RoutingInstance, RoutingProblem, Sites, Travel, VehicleType
+from waybound import Energy, RoutingInstance, RoutingProblem, Sites, Travel, VehicleType
 from waybound.instances.document import dump_json
 from waybound.instances.formats.waybound_json import read, write
 from waybound.instances.routing.json_vehicles import decode_vehicle, encode_vehicle
@@ -52,9 +53,7 @@ def test_travel_of_its_own_reads_back_with_its_convention() -> None:
     ],
 )
 def test_a_fault_is_named_by_its_path(data: dict[str, Any], message: str) -> None:
-    with pytest.raises(InputError) as error:
-        decode_vehicle(data, "fleet[0]", SITES.index(), SITES)
-    assert message in str(error.value)
+    assert message in refused(decode_vehicle, data, "fleet[0]", SITES.index(), SITES)
 
 
 @pytest.mark.parametrize("feature", WHOLE_FAMILY)

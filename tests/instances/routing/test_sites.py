@@ -4,7 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from coded import coded
+from coded import check_coded
 
 from waybound.instances.errors import InputError, UsageError
 from waybound.instances.routing.sites import Group, Shipment, Sites
@@ -69,10 +69,8 @@ def test_several_windows_give_the_first_opening_and_the_last_close() -> None:
 
 
 def test_one_list_of_windows_a_site() -> None:
-    with pytest.raises(InputError, check=coded("wrong-shape")):
-        replace(made(), windows=((),))
-    with pytest.raises(InputError, check=coded("wrong-shape")):
-        replace(made(), skills=(frozenset(),))
+    check_coded(InputError, "wrong-shape", replace, made(), windows=((),))
+    check_coded(InputError, "wrong-shape", replace, made(), skills=(frozenset(),))
 
 
 def test_load_dimensions_are_columns() -> None:

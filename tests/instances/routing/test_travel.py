@@ -112,8 +112,7 @@ def test_an_alias_and_an_unknown_convention() -> None:
 
 def test_another_convention_leaves_the_data_alone() -> None:
     travel = Travel("EUC_2D", coordinates=POINTS)  # type: ignore[arg-type]
-    other = travel.with_convention("exact")
-    assert other.distance(0, 2) == math.sqrt(2)
+    assert travel.with_convention("exact").distance(0, 2) == math.sqrt(2)
     assert travel.distance(0, 2) == 1.0
 
 

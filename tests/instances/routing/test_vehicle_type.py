@@ -3,7 +3,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from coded import coded
+from coded import check_coded
+from file_cases import check_refused, refused
 
 from waybound import InputError, RoutingInstance, Sites
 from waybound.instances.routing.travel import EXPLICIT, Travel
@@ -29,16 +30,12 @@ XY = np.array([[0.0, 0], [0, 3], [4, 0]])
     ],
 )
 def test_a_vehicle_that_makes_no_sense_is_refused(given: dict[str, Any], message: str) -> None:
-    with pytest.raises(InputError) as error:
-        VehicleType(**given)
-    assert message in str(error.value)
+    assert message in refused(VehicleType, **given)
 
 
 def test_a_store_has_its_own_errors() -> None:
-    with pytest.raises(InputError, match="energy at departure must be within the capacity; expected 0 to 5; found 6"):
-        Energy(5, initial=6)
-    with pytest.raises(InputError, check=coded("contradiction")):
-        Energy(5, charge="elapsed", stations=(0,))
+    check_refused(InputError, "energy at departure must be within the capacity; expected 0 to 5; found 6", Energy, 5, initial=6)
+    check_coded(InputError, "contradiction", Energy, 5, charge="elapsed", stations=(0,))
     assert (Energy(5).at_departure, Energy(5, initial=0).at_departure) == (5, 0)
 
 
@@ -62,9 +59,7 @@ def test_a_store_has_its_own_errors() -> None:
     ],
 )
 def test_a_vehicle_must_fit_the_sites(vehicle: VehicleType, sites: dict[str, Any], message: str) -> None:
-    with pytest.raises(InputError) as error:
-        RoutingInstance("i", "test", Sites.of("oab", **sites), Travel("euclidean", XY), (vehicle,))
-    assert message in str(error.value)
+    assert message in refused(RoutingInstance, "i", "test", Sites.of("oab", **sites), Travel("euclidean", XY), (vehicle,))
 
 
 def test_a_matrix_of_its_own_is_under_any_convention_that_does_not_round() -> None:

@@ -140,9 +140,7 @@ def test_precision_is_kept() -> None:
     ],
 )
 def test_a_fault_is_refused_by_its_path(changes: dict[str, Any], message: str) -> None:
-    with pytest.raises(InputError) as caught:
-        load(**changes)
-    assert message in str(caught.value)
+    assert message in refused(load, **changes)
 
 
 values = st.floats(0, 1e300)

@@ -2,7 +2,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from coded import coded
+from coded import check_coded
+from file_cases import check_refused
 from hypothesis import given, strategies as st
 
 from waybound.instances.errors import Code, InputError, UsageError
@@ -84,10 +85,8 @@ def test_a_row_that_means_nothing_is_refused_by_its_place(rows: list[str], weigh
 
 
 def test_unknown_choices_are_refused() -> None:
-    with pytest.raises(UsageError, match="order must be one of names, rows, not 'size'"):
-        graph("a p x", order="size")
-    with pytest.raises(UsageError, check=coded("unknown-name")):
-        graph("a p x", duplicates="max")
+    check_refused(UsageError, "order must be one of names, rows, not 'size'", graph, "a p x", order="size")
+    check_coded(UsageError, "unknown-name", graph, "a p x", duplicates="max")
 
 
 def test_duplicates_are_added_where_asked() -> None:

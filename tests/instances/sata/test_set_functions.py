@@ -43,8 +43,7 @@ def test_values_of_many_sets_of_one_and_gains_agree(seed: int, kind: str, whole:
     assert f.values(masks) == pytest.approx([f.value(chosen) for chosen in sets], rel=1e-12, abs=1e-12)
     if isinstance(f, ItemFunction):
         assert f.values(masks) == pytest.approx([by_definition(f, chosen.tolist()) for chosen in sets], rel=1e-12, abs=1e-12)
-    order = rng.permutation(n).tolist()
-    assert f.gains(order).sum() == pytest.approx(f.value(np.arange(n)))
+    assert f.gains(rng.permutation(n).tolist()).sum() == pytest.approx(f.value(np.arange(n)))
     assert f.value(np.zeros(0, dtype=np.int64)) == 0.0 and f.gains([]).tolist() == []
 
 

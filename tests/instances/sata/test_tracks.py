@@ -17,14 +17,10 @@ def mixture(*places, weight=1.0, variance=1.0):
 @pytest.mark.parametrize(
     ("ones", "others", "distance"),
     [
-        ([(0, 0)], [(3, 4)], 5.0),
-        ([(9 * k, k) for k in range(8)], [(9 * k, k) for k in range(10)], 44.721360),
-        ([(0, 0), (10, 0)], [(0, 3), (10, 4), (50, 50)], 57.807151),
-        ([], [], 0.0),
-        ([], [(1, 1)], 100.0),
-        ([(0, 0)], [(500, 0)], 100.0),
+        ([(0, 0)], [(3, 4)], 5.0), ([(9 * k, k) for k in range(8)], [(9 * k, k) for k in range(10)], 44.721360),
+        ([(0, 0), (10, 0)], [(0, 3), (10, 4), (50, 50)], 57.807151), ([], [], 0.0), ([], [(1, 1)], 100.0), ([(0, 0)], [(500, 0)], 100.0),
     ],
-)
+)  # fmt: skip
 def test_known_distances(ones, others, distance):
     assert ospa(np.array(ones, dtype=float).reshape(-1, 2), np.array(others, dtype=float).reshape(-1, 2)) == pytest.approx(
         distance, abs=1e-6
@@ -74,8 +70,7 @@ def test_the_nearest_pair_comes_first():
 
 def test_motion_does_not_depend_on_where_the_origin_is():
     """With a prior mean of 0, as printed, predictions of a target at rest fall back to the origin."""
-    path = np.tile([100.0, 40.0], (10, 1))
-    assert forecast(path, 20.0, 0.5) == pytest.approx([100, 40])
+    assert forecast(np.tile([100.0, 40.0], (10, 1)), 20.0, 0.5) == pytest.approx([100, 40])
     line = np.column_stack([np.arange(20.0), np.zeros(20)])
     assert forecast(line + np.array([70, -9]), 20.0, 0.1) == pytest.approx(forecast(line, 20.0, 0.1) + np.array([70, -9]))
     assert 18.5 < forecast(line, 20.0, 0.1)[0] < 20.5

@@ -7,8 +7,7 @@ from waybound.reports.benchmarks import greedy as benchmark
 
 def test_all_contestants_pick_alike() -> None:
     for what in benchmark.TARGETS:
-        problem = benchmark.generate(what, 200, 10, seed=3)
-        found = benchmark.measure(problem, 1)
+        found = benchmark.measure(benchmark.generate(what, 200, 10, seed=3), 1)
         assert len({tuple(chosen) for _, chosen, _ in found.values()}) == 1
         assert found["lazy-greedy"][2]["evaluations"] < found["lazy-greedy"][2]["plain_evaluations"]
 

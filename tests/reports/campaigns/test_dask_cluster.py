@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+import types
 from collections.abc import Iterator
 from contextlib import ExitStack
 from pathlib import Path
@@ -63,9 +64,6 @@ class Killed(Exception):
 @pytest.fixture
 def workers(monkeypatch: pytest.MonkeyPatch) -> DaskWorkers:
     """Workers of a Dask that is made up."""
-    import sys
-    import types
-
     monkeypatch.setattr(dask_cluster, "find_spec", lambda name: name)
     monkeypatch.setitem(sys.modules, "distributed", types.SimpleNamespace(KilledWorker=Killed))  # type: ignore[arg-type]
     return DaskWorkers("tcp://nowhere:1")

@@ -1,6 +1,8 @@
 """The process that forks runs: what a run had to load is there for the next one. What becomes of runs is in ``test_run_processes``."""
 
 import math
+import statistics
+import sys
 from multiprocessing import Pipe
 from pathlib import Path
 from typing import Any
@@ -42,11 +44,7 @@ def test_a_late_run_is_not_ended_twice() -> None:
 
 
 def test_a_run_tells_what_it_loaded_and_that_is_loaded_for_the_next(monkeypatch: pytest.MonkeyPatch) -> None:
-    import sys
-
     before = set(sys.modules) - {"statistics"}
-    import statistics
-
     assert statistics.__name__ in _loaded(before, set(_ready()))[0]
     monkeypatch.delitem(sys.modules, "statistics")
     _learn(["statistics", "no.such.module"], [("no.such.module", "loop")])

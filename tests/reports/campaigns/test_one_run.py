@@ -12,6 +12,7 @@ from waybound.instances.bundled import bundled_path
 from waybound.instances.errors import CheckFailedError, NoAnswerError
 from waybound.reports.campaigns.one_run import COLUMNS, DOCUMENTS, Outcome, Task, lost, machine, run_task
 from waybound.reports.campaigns.setting import Setting
+from waybound.solving import solve
 
 
 @pytest.fixture(autouse=True)
@@ -61,7 +62,6 @@ def test_whatever_is_raised_is_a_row(
 
 def test_an_answer_of_a_run_with_faults_is_not_checked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     import waybound as wb
-    from waybound.solving import solve
 
     solution = replace(wb.solve(wb.read("demo-tiny"), heuristic="savings", bound_time=0.0), faults=("it lied",))
     monkeypatch.setattr(solve, "solve", lambda *_: solution)

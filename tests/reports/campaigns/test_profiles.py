@@ -31,8 +31,7 @@ def test_quality_is_measured_against_the_best_that_is_known(runs: Any) -> None:
 
 
 def test_time_counts_only_with_an_optimum(runs: Any) -> None:
-    made = profile(runs, "seconds")
-    assert made.loc[1.0].to_dict() == {"x": 0.5, "y": 0.5, "z": 0.0}
+    assert profile(runs, "seconds").loc[1.0].to_dict() == {"x": 0.5, "y": 0.5, "z": 0.0}
 
 
 def test_another_measure_does_not_exist(runs: Any) -> None:

@@ -7,6 +7,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from campaign_cases import outcome, planned
+from file_cases import check_refused
 
 from waybound import UsageError, results
 from waybound.reports.campaigns.one_run import Outcome
@@ -93,10 +94,8 @@ def test_a_single_pair_counts_beyond_the_tolerance(made: Any) -> None:
 
 def test_what_cannot_be_compared_is_refused_or_told(made: Any) -> None:
     before = made(lambda name, seed: outcome())
-    with pytest.raises(UsageError, match="no run in common"):
-        regression(before, made(lambda name, seed: outcome(), "xyz"))
-    with pytest.raises(UsageError, match="limits differ"):
-        regression(before, made(lambda name, seed: outcome(), time_limit=1.0))
+    check_refused(UsageError, "no run in common", regression, before, made(lambda name, seed: outcome(), "xyz"))
+    check_refused(UsageError, "limits differ", regression, before, made(lambda name, seed: outcome(), time_limit=1.0))
     in_levels = made(lambda name, seed: outcome(levels="{}"))
     assert regression(in_levels, in_levels).notes == ("objectives in order of priority are compared by their first level alone",)
     told = regression(before, made(lambda name, seed: outcome(), "ab"))

@@ -2,7 +2,8 @@ import io
 
 import numpy as np
 import pytest
-from coded import coded
+from coded import check_coded, coded
+from file_cases import check_refused
 
 from waybound import InputError, UsageError, run
 from waybound.instances.worlds import World
@@ -17,8 +18,7 @@ SMALL = {"robots": 3, "targets": 4, "width": 60.0, "height": 60.0}
 def film():
     mission = Tracking()
     made = Film(mission)
-    log = run(mission, steps=4, seed=2, policy="force-vector", watch=made, **SMALL)
-    return made, log
+    return made, run(mission, steps=4, seed=2, policy="force-vector", watch=made, **SMALL)
 
 
 def test_a_film_holds_the_start_and_every_step(film):
@@ -44,14 +44,12 @@ def test_a_gif_has_one_frame_a_step(film, tmp_path):
 
 def test_a_page_holds_all_frames_and_needs_no_other_file(film, tmp_path):
     film[0].save(tmp_path / "film.html")
-    text = (tmp_path / "film.html").read_text()
-    assert text.count("data:image/png;base64") == 5
+    assert (tmp_path / "film.html").read_text().count("data:image/png;base64") == 5
     assert [path.name for path in tmp_path.iterdir()] == ["film.html"]
 
 
 def test_a_frame_is_drawn_where_things_are(film, tmp_path):
-    made = film[0]
-    made.save_frame(4, tmp_path / "frame.png")
+    film[0].save_frame(4, tmp_path / "frame.png")
     from PIL import Image
 
     pixels = np.asarray(Image.open(io.BytesIO((tmp_path / "frame.png").read_bytes())).convert("RGB")).astype(int)
@@ -69,12 +67,9 @@ def test_long_runs_show_every_so_many_steps_and_the_last(film):
 
 
 def test_what_cannot_be_shown_or_written_is_refused(film, tmp_path):
-    with pytest.raises(UsageError, match=r"\.gif or \.html"):
-        film[0].save(tmp_path / "film.mp4")
-    with pytest.raises(UsageError, check=coded("missing")):
-        Film(Tracking()).save(tmp_path / "film.gif")
-    with pytest.raises(InputError, match="no folder"):
-        film[0].save(tmp_path / "missing" / "film.gif")
+    check_refused(UsageError, r"\.gif or \.html", film[0].save, tmp_path / "film.mp4")
+    check_coded(UsageError, "missing", Film(Tracking()).save, tmp_path / "film.gif")
+    check_refused(InputError, "no folder", film[0].save, tmp_path / "missing" / "film.gif")
     assert list(tmp_path.iterdir()) == []
 
 

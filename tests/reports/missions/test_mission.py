@@ -3,6 +3,7 @@ from typing import Any
 
 import pytest
 
+import waybound as wb
 from waybound.reports.missions.mission import MISSIONS, Decision, Mission, Scene
 
 
@@ -59,3 +60,38 @@ def test_every_mission_says_what_it_is_and_begins_with_its_defaults(name: str) -
     assert mission.headline in world.metrics()
     assert all(setting.help for setting in mission.settings.values())
     assert mission.drawable == (mission.scene(world) is not None)
+
+
+SHORT = {
+    "explore-map-search": {"robots": 3, "steps": 30},
+    "fire-monitoring": {"size": 40, "begin": 30, "steps": 8},
+    "fleet-energy": {"steps": 80},
+    "persistent-exploration": {"rows": 17, "columns": 17, "robots": 2, "steps": 15},
+    "plume-exploration": {"cells": 30, "robots": 4},
+    "search-and-track": {"steps": 40, "robots": 2, "plan_every": 10, "target_step": 0.05},
+    "tracking": {"steps": 6, "robots": 4, "targets": 6, "width": 80.0, "height": 80.0},
+    "unreliable-communication": {
+        "map": "rooms", "room": 2, "width": 13, "height": 9, "robots": 2, "battery": 20, "sight": 0, "reach": 3,
+    },
+}  # fmt: skip
+DECIDED = {
+    "explore-map-search": {"policy": ("relays",)},
+    "fire-monitoring": {"policy": ("weighted-greedy", "exact"), "heuristic": ("pure-greedy",)},
+    "fleet-energy": {"policy": ("one-by-one",), "solver": ("highs",)},
+    "persistent-exploration": {"policy": ("pure-greedy",), "heuristic": ("greedy-assignment",)},
+    "plume-exploration": {"policy": ("depth-first",), "heuristic": ("greedy-assignment",)},
+    "search-and-track": {
+        "policy": ("lawn-mower", "largest-gaussian", "nearest-gaussian", "stay"), "solver": ("highs",), "heuristic": ("sequential-greedy",),
+    },
+    "tracking": {"heuristic": ("random",)},
+    "unreliable-communication": {"policy": ("nearest-frontier",), "heuristic": ("greedy-assignment", "pure-greedy")},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("name", "by", "who"), [(name, by, who) for name, ways in DECIDED.items() for by, names in ways.items() for who in names]
+)
+def test_the_same_seed_gives_the_same_log_to_the_bit(name: str, by: str, who: str) -> None:
+    one, two = (wb.run(name, seed=4, **SHORT[name], **{by: who}) for _ in range(2))
+    assert (one["seconds"] >= 0).all() and one["seconds"].sum() > 0
+    assert one.drop(columns="seconds").equals(two.drop(columns="seconds"))

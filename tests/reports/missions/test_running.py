@@ -195,8 +195,7 @@ def test_the_log_tells_where_it_comes_from():
 
 
 def test_without_a_decider_the_first_solver_that_can_is_taken():
-    log = run("tracking", steps=2, seed=1, **SMALL)
-    assert (log["status"] == "optimal").all()
+    assert (run("tracking", steps=2, seed=1, **SMALL)["status"] == "optimal").all()
 
 
 def interrupt():

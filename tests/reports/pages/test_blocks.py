@@ -31,19 +31,14 @@ def test_text_has_paragraphs_and_lists() -> None:
 @pytest.mark.parametrize(
     "block",
     [
-        Text(HOSTILE),
-        Text(f"- {HOSTILE}"),
-        Code(HOSTILE),
-        Facts([(HOSTILE, HOSTILE), Line(HOSTILE, HOSTILE, "good")], HOSTILE),
+        Text(HOSTILE), Text(f"- {HOSTILE}"), Code(HOSTILE), Facts([(HOSTILE, HOSTILE), Line(HOSTILE, HOSTILE, "good")], HOSTILE),
         DataTable(Table(HOSTILE, (Column(HOSTILE),), ((HOSTILE,),), total=(HOSTILE,)), note=HOSTILE),
-        DataTable(pd.DataFrame({HOSTILE: [HOSTILE, "b"]}), title=HOSTILE),
-        Picture(png(), HOSTILE, HOSTILE),
-        Animation([png(), png()], HOSTILE, HOSTILE, captions=[HOSTILE, "b"]),
-        Section(HOSTILE, [Text(HOSTILE)]),
+        DataTable(pd.DataFrame({HOSTILE: [HOSTILE, "b"]}), title=HOSTILE), Picture(png(), HOSTILE, HOSTILE),
+        Animation([png(), png()], HOSTILE, HOSTILE, captions=[HOSTILE, "b"]), Section(HOSTILE, [Text(HOSTILE)]),
         Folded(HOSTILE, [Text(HOSTILE)]),
     ],
     ids=lambda block: type(block).__name__,
-)
+)  # fmt: skip
 def test_hostile_text_is_escaped(block: blocks.Block) -> None:
     made = html_of(block)
     assert "<script" not in made and "\x1b" not in made

@@ -17,8 +17,7 @@ def drawn() -> Figure:
 
 
 def test_ids_are_unique_and_every_reference_is_met() -> None:
-    made = Rendering()
-    text = str(made.blocks([drawn(), drawn()]))
+    text = str(Rendering().blocks([drawn(), drawn()]))
     ids = re.findall(r'\bid="([^"]+)"', text)
     assert len(ids) > 10 and len(set(ids)) == len(ids)
     assert set(re.findall(r'(?:href="#|url\(#)([^")]+)', text)) <= set(ids)

@@ -1,7 +1,7 @@
 from dataclasses import replace
 
 import pytest
-from coded import coded
+from coded import check_coded, coded
 
 import waybound as wb
 from waybound.formulations.search_history import Event
@@ -61,7 +61,5 @@ def test_it_is_a_view_of_every_solution(solution: wb.Solution, tmp_path) -> None
 def test_an_unknown_view_or_level_is_refused(solution: wb.Solution) -> None:
     with pytest.raises(wb.UsageError, match="no view 'x'; there are", check=coded("unknown-name")):
         solution.plot(view="x")
-    with pytest.raises(wb.UsageError, check=coded("out-of-range")):
-        wb.plot_history(solution, level=2)
-    with pytest.raises(wb.UsageError, check=coded("missing")):
-        wb.plot_history([])
+    check_coded(wb.UsageError, "out-of-range", wb.plot_history, solution, level=2)
+    check_coded(wb.UsageError, "missing", wb.plot_history, [])

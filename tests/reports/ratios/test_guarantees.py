@@ -6,12 +6,15 @@ from dataclasses import replace
 import pytest
 
 import waybound as wb
+from waybound.formulations.evidence import CHECKERS
+from waybound.reports.ratios import judged_runs
 from waybound.reports.ratios.guarantees import FALSE_ALARM, GuaranteePlan, hoeffding_margin, run_plan
 from waybound.reports.ratios.judged_runs import Configuration, judge, run_heuristic
 from waybound.reports.ratios.optimum import optimum
 from waybound.reports.studies.sata.families.selection import random_families
 from waybound.reports.studies.study import STUDIES, StudySetting
 from waybound.reports.studies.violations import write_faults
+from waybound.solving import solve as solving
 
 SUBMODULAR = (1.0, 1 / (1 - math.exp(-1)))
 
@@ -67,8 +70,6 @@ def test_a_bound_is_derived_by_the_checker_whatever_the_heuristic_says_of_it(mea
 
 
 def test_a_checker_that_proves_too_much_is_caught(measured, registered):
-    from waybound.formulations.evidence import CHECKERS
-
     honest = CHECKERS["marginal-gains"]
     registered(CHECKERS, "marginal-gains", lambda problem, data: 0.5 * honest(problem, data))
     assert "bound" in kinds(measured("greedy", expected=SUBMODULAR))
@@ -116,8 +117,6 @@ def test_certificates_of_some_runs_go_through_solve(measured):
 
 
 def test_an_audit_sees_a_certificate_that_differs_from_the_run(measured, monkeypatch):
-    from waybound.solving import solve as solving
-
     honest = solving.solve
     monkeypatch.setattr(solving, "solve", lambda problem, request: honest(problem, replace(request, heuristic="random", options={})))
     assert kinds(measured("greedy", expected=SUBMODULAR)) >= {"certificate"}
@@ -155,7 +154,6 @@ def test_an_interrupt_keeps_what_was_done():
 
 def test_an_optimum_that_does_not_hold_up_is_a_fault(measured, monkeypatch):
     from waybound.instances.errors import CheckFailedError
-    from waybound.reports.ratios import judged_runs
 
     def fail(problem):
         raise CheckFailedError("the two sides differ")

@@ -56,17 +56,8 @@ def test_a_broken_ratio_is_a_fault_unless_it_holds_in_expectation() -> None:
 @pytest.mark.parametrize(
     ("ratio", "expected", "faulty"),
     [
-        (None, 2.0, True),
-        (None, None, False),
-        (2.0, None, True),
-        (2.0, 2.0, False),
-        (2.1, 2.0, True),
-        (1.9, 2.0, True),
-        (1.9, (1.5, 2.0), False),
-        (1.4, (1.5, 2.0), True),
-        (2.1, (1.5, 2.0), True),
-        (None, (1.5, 2.0), True),
-        (0.9, 2.0, True),
+        (None, 2.0, True), (None, None, False), (2.0, None, True), (2.0, 2.0, False), (2.1, 2.0, True), (1.9, 2.0, True),
+        (1.9, (1.5, 2.0), False), (1.4, (1.5, 2.0), True), (2.1, (1.5, 2.0), True), (None, (1.5, 2.0), True), (0.9, 2.0, True),
         (math.nan, 2.0, True),
     ],
 )  # fmt: skip

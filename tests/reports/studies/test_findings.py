@@ -8,13 +8,10 @@ from waybound.reports.studies.findings import NOT, REPRODUCED, SIGN, UNDECIDED, 
 @pytest.mark.parametrize(
     ("published", "ours", "verdict"),
     [
-        ("0.714", 0.7143, REPRODUCED),
-        ("0.714", 0.7146, NOT),
-        ("41.85 %", 0.418525, REPRODUCED),
-        ("47.16 %", 0.3604, NOT),
+        ("0.714", 0.7143, REPRODUCED), ("0.714", 0.7146, NOT), ("41.85 %", 0.418525, REPRODUCED), ("47.16 %", 0.3604, NOT),
         ("2", 2.4, REPRODUCED),
     ],
-)
+)  # fmt: skip
 def test_a_printed_number_is_reproduced_to_half_a_unit_of_its_last_digit(published, ours, verdict):
     found = Finding.of_number("n", published, ours, "because")
     assert (found.verdict, found.why) == (verdict, "because" if verdict == NOT else "")

@@ -7,6 +7,7 @@ import pytest
 
 from waybound.instances.errors import WayboundError
 from waybound.reports.studies.processes import spread
+from waybound.reports.studies.study import STUDIES
 
 
 def silent(done, total, what):
@@ -70,7 +71,5 @@ def test_a_process_that_dies_is_one_clear_error():
 
 @pytest.mark.long
 def test_studies_do_not_depend_on_the_number_of_processes():
-    from waybound.reports.studies.study import STUDIES
-
     study = STUDIES["greedy-partition"]
     assert study(instances=120, jobs=1).observations == study(instances=120, jobs=2).observations

@@ -2,6 +2,7 @@ import csv
 import math
 
 import pytest
+from file_cases import check_refused
 
 from waybound.instances.errors import UsageError
 from waybound.reports.ratios.figures import ratio_figure
@@ -65,9 +66,7 @@ def test_ratios_beyond_what_can_be_drawn_do_not_stop_the_figure(report):
 
 def test_a_folder_that_cannot_be_made_is_refused_before_anything_runs(tmp_path):
     (tmp_path / "file").write_text("")
-    with pytest.raises(UsageError, match="is a file"):
-        check_folder(tmp_path / "file")
-    with pytest.raises(UsageError, match="file is a file, not a folder"):
-        check_folder(tmp_path / "file" / "below")
+    check_refused(UsageError, "is a file", check_folder, tmp_path / "file")
+    check_refused(UsageError, "file is a file, not a folder", check_folder, tmp_path / "file" / "below")
     check_folder(tmp_path / "new" / "folder")
     assert not (tmp_path / "new").exists()

@@ -23,8 +23,7 @@ def test_what_a_row_has_not_is_left_blank():
 
 
 def test_a_long_answer_is_cut_and_says_so():
-    problem = wb.MaxMinLP(np.ones((1, 50)), np.ones((1, 50)))
-    (table,) = answer_tables(problem, np.full(50, 0.01))
+    (table,) = answer_tables(wb.MaxMinLP(np.ones((1, 50)), np.ones((1, 50))), np.full(50, 0.01))
     assert len(table.rows) == 21
     assert table.rows[-1] == ("and 30 more", "")
 

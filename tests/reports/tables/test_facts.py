@@ -24,12 +24,8 @@ def test_facts_of_its_own_never_hide_what_is_told_of_every_problem():
 
 def test_facts_that_nobody_has_words_for_are_told_as_they_are():
     common = {name: [] for name in COMMON if name != "objective"} | {
-        "name": "n",
-        "problem": "p",
-        "family": "unheard-of",
-        "convention": "exact",
-        "instance_hash": "h",
-    }
+        "name": "n", "problem": "p", "family": "unheard-of", "convention": "exact", "instance_hash": "h",
+    }  # fmt: skip
     rows = facts_table({**common, "busy_hours": 3.0, "crew": {"size": 2, "names": []}, "days": list(range(30))}).rows
     assert ("busy hours", "3") in rows
     assert ("crew", "size 2, names none") in rows

@@ -77,14 +77,9 @@ def shown() -> dict[str, Any]:
     problem = wb.read("demo-tiny")
     solution = wb.solve(problem, heuristic="savings", bound_time=0.5)
     return {
-        "problem": evil_problem(),
-        "solution": solution,
-        "certificate": solution.certificate,
-        "explanation": wb.explain(evil_problem()),
-        "solvers": wb.solvers(),
-        "solvers of a problem": wb.solvers(problem),
-        "heuristics": wb.heuristics(problem),
-    }
+        "problem": evil_problem(), "solution": solution, "certificate": solution.certificate, "explanation": wb.explain(evil_problem()),
+        "solvers": wb.solvers(), "solvers of a problem": wb.solvers(problem), "heuristics": wb.heuristics(problem),
+    }  # fmt: skip
 
 
 @pytest.fixture(scope="module")
@@ -133,8 +128,7 @@ def test_lists_of_solvers_are_lists(ends: dict[str, Any]) -> None:
     able = [info.name for info in ends["solvers of a problem"] if not info.missing]
     assert "highs" in able
     assert isinstance(ends["solvers"], list) and len(ends["solvers"]) > 10
-    copied = pickle.loads(pickle.dumps(ends["solvers"]))
-    assert copied == list(ends["solvers"])
+    assert pickle.loads(pickle.dumps(ends["solvers"])) == list(ends["solvers"])
     assert Listing([1, 2], lambda rows: Table("N", (Column("n"),), tuple((str(r),) for r in rows)))._repr_html_().count("<td") == 2
 
 

@@ -111,7 +111,6 @@ def test_the_terminals_interrupt_does_not_reach_cbc(tmp_path) -> None:
         """)
     )
     process = subprocess.Popen([sys.executable, str(script)], stdout=subprocess.PIPE, text=True, start_new_session=False, process_group=0)
-    assert process.stdout is not None
     assert process.stdout.readline() == "ready\n"
     time.sleep(1.0)
     os.killpg(process.pid, signal.SIGINT)

@@ -8,6 +8,7 @@ import pytest
 from coded import coded
 from programs import program
 from sata_cases import CASES
+from truth.routing import best_values
 
 import waybound as wb
 from waybound import BottleneckSATA, InputError, UnsupportedError, UsageError, WinnerTakesAllSATA
@@ -103,8 +104,7 @@ def test_one_thread_repeats_to_the_bit():
 
 
 def test_the_least_of_sums_is_counted_in_steps_of_the_weights():
-    problem = BottleneckSATA(CASES["S4a"].graph)
-    result = run(problem.compile().program)
+    result = run(BottleneckSATA(CASES["S4a"].graph).compile().program)
     assert result.objective == pytest.approx(1.0)
     assert result.statistics["scale"]["exact"]
 
@@ -141,7 +141,6 @@ def test_numbers_too_large_for_64_bits_are_refused():
 
 def test_routing_programs_whose_levels_are_differences_can_be_counted():
     from small_routing import small
-    from truth.routing import best_values
 
     for convention in ("round", "exact"):
         problem = small("time-windows", 1, convention)

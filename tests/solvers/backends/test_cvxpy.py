@@ -75,8 +75,7 @@ def test_a_nonconvex_objective_is_an_error_that_says_so():
 
 
 def test_a_maximised_bound_has_the_sign_of_the_program():
-    p = program([5, 4], [[2, 3]], -INF, 5, 0, 9, integer=[0, 1], sense="max", offset=7)
-    result = run(p)
+    result = run(program([5, 4], [[2, 3]], -INF, 5, 0, 9, integer=[0, 1], sense="max", offset=7))
     assert (result.objective, result.bound) == (pytest.approx(17.0), pytest.approx(17.0))
 
 

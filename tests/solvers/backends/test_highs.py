@@ -61,13 +61,10 @@ def test_an_optimum_that_presolve_loses_is_found() -> None:
 @pytest.mark.parametrize(
     ("name", "text", "value"),
     [
-        ("presolve", "off", "off"),
-        ("mip_max_leaves", "12", 12),
-        ("presolve_rule_off", "4096", 4096),
-        ("primal_feasibility_tolerance", "1e-8", 1e-8),
-        ("mip_detect_symmetry", "false", False),
+        ("presolve", "off", "off"), ("mip_max_leaves", "12", 12), ("presolve_rule_off", "4096", 4096),
+        ("primal_feasibility_tolerance", "1e-8", 1e-8), ("mip_detect_symmetry", "false", False),
     ],
-)
+)  # fmt: skip
 def test_options_given_as_text_get_their_type(name: str, text: str, value) -> None:
     assert named_options("highs", {name: text}) == {name: value}
 

@@ -101,14 +101,10 @@ def test_unknown_parameters_are_refused(solver):
 @pytest.mark.parametrize(
     ("solver", "extra"),
     [
-        ("highs", {"presolve": "off"}),
-        ("gscip", {"separating/maxrounds": "0"}),
-        ("gscip", {"limits/memory": "1000.0"}),
-        ("cp-sat", {"linearization_level": "2"}),
-        ("glop", {"use_preprocessing": "false"}),
-        ("pdlp", {"major_iteration_frequency": "32"}),
+        ("highs", {"presolve": "off"}), ("gscip", {"separating/maxrounds": "0"}), ("gscip", {"limits/memory": "1000.0"}),
+        ("cp-sat", {"linearization_level": "2"}), ("glop", {"use_preprocessing": "false"}), ("pdlp", {"major_iteration_frequency": "32"}),
     ],
-)
+)  # fmt: skip
 def test_own_parameters_are_taken(solver, extra):
     p = MILP if MathOpt(solver).able(INTEGERS) else LP
     assert run(p, solver, extra=extra).objective == pytest.approx(10.0 if p is MILP else 2.8, abs=1e-6)

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from draws import draws
+from file_cases import check_refused
 from hypothesis import given, settings, strategies as st
 from programs import program
 
@@ -88,9 +89,6 @@ def test_what_it_refuses() -> None:
     assert not backend.lacking(whole)
     assert backend.lacking(replace(whole, cones=())) and backend.lacking(program([1.0], [[1.0]], 0, 1))
     continuous = replace(whole, variables=tuple(replace(v, integer=False) for v in whole.variables))
-    with pytest.raises(UnsupportedError, match="cone LP"):
-        backend.run(continuous, Options(), Control())
-    with pytest.raises(UsageError, match="nobody"):
-        OuterApproximation("nobody")
-    with pytest.raises(UsageError, match="no_such_option"):
-        backend.run(whole, Options(extra={"no_such_option": 1}), Control())
+    check_refused(UnsupportedError, "cone LP", backend.run, continuous, Options(), Control())
+    check_refused(UsageError, "nobody", OuterApproximation, "nobody")
+    check_refused(UsageError, "no_such_option", backend.run, whole, Options(extra={"no_such_option": 1}), Control())

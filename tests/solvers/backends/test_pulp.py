@@ -1,3 +1,5 @@
+import sys
+
 import pytest
 
 from tests.programs import program
@@ -31,7 +33,6 @@ def test_a_solver_that_is_not_there_is_reported_as_missing(given: Program) -> No
 
 def test_discovery_imports_nothing() -> None:
     import subprocess
-    import sys
 
     code = """
 import sys

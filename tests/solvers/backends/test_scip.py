@@ -40,8 +40,7 @@ def test_duals_of_rows_of_one_variable_are_found_in_its_reduced_cost():
     assert run(p).row_duals == pytest.approx([0.0, 1.5, 1.0])
     p = program([1, 1], [[-2, 0], [1, 1]], [-INF, 3], [-2, INF])
     result = run(p)
-    value = float(result.row_duals @ [-2, 3])
-    assert value == pytest.approx(result.objective)
+    assert float(result.row_duals @ [-2, 3]) == pytest.approx(result.objective)
 
 
 @needs_scip

@@ -16,22 +16,13 @@ CONVENTIONS = {"tsplib-nint": "file", "tsplib": "file", "dimacs-trunc1": "trunc1
 
 # family, instance, largest gap in percent that the best bound found within a few seconds leaves
 SAMPLE = [
-    ("cvrp/A", "A-n32-k5", 13.0),
-    ("cvrp/P", "P-n16-k8", 12.0),
-    ("vrptw-solomon", "R101", 1.5),
-    ("tsplib", "gr17", 0.5),
+    ("cvrp/A", "A-n32-k5", 13.0), ("cvrp/P", "P-n16-k8", 12.0), ("vrptw-solomon", "R101", 1.5), ("tsplib", "gr17", 0.5),
     ("tsplib", "eil51", 1.5),
-]
+]  # fmt: skip
 LONG = [
-    ("vrptw-solomon", "C201", 0.01),
-    ("cvrp/X", "X-n101-k25", 9.0),
-    ("cvrp/X", "X-n200-k36", 4.0),
-    ("vrptw-solomon", "C101", 0.5),
-    ("vrptw-solomon", "RC101", 13.5),
-    ("cvrp/X", "X-n1001-k43", 15.0),
-    ("vrptw-solomon", "R112", 13.0),
-    ("tsplib", "a280", 2.0),
-]
+    ("vrptw-solomon", "C201", 0.01), ("cvrp/X", "X-n101-k25", 9.0), ("cvrp/X", "X-n200-k36", 4.0), ("vrptw-solomon", "C101", 0.5),
+    ("vrptw-solomon", "RC101", 13.5), ("cvrp/X", "X-n1001-k43", 15.0), ("vrptw-solomon", "R112", 13.0), ("tsplib", "a280", 2.0),
+]  # fmt: skip
 
 
 def rows_of(benchmarks, family, instance):

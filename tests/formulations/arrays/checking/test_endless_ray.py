@@ -23,14 +23,9 @@ def test_a_point_and_a_ray_prove_it() -> None:
 @pytest.mark.parametrize(
     "data",
     [
-        {"point": AT, "ray": [3.0, 1.0000000001, 0.0]},
-        {"point": AT, "ray": [0.0, 0.0, 1.0]},
-        {"point": AT, "ray": [0.0, 0.0, -1.0]},
-        {"point": AT, "ray": [-3.0, -1.0, 0.0]},
-        {"point": AT, "ray": [0.0, 0.0, 0.0]},
-        {"point": AT, "ray": [3.0, 1.0, 3.0]},
-        {"point": [3.0, 2.0, 0.0], "ray": [3.0, 1.0, 0.0]},
-        {"point": [1.5, 0.5, 0.0], "ray": [3.0, 1.0, 0.0]},
+        {"point": AT, "ray": [3.0, 1.0000000001, 0.0]}, {"point": AT, "ray": [0.0, 0.0, 1.0]}, {"point": AT, "ray": [0.0, 0.0, -1.0]},
+        {"point": AT, "ray": [-3.0, -1.0, 0.0]}, {"point": AT, "ray": [0.0, 0.0, 0.0]}, {"point": AT, "ray": [3.0, 1.0, 3.0]},
+        {"point": [3.0, 2.0, 0.0], "ray": [3.0, 1.0, 0.0]}, {"point": [1.5, 0.5, 0.0], "ray": [3.0, 1.0, 0.0]},
     ],
     ids=["leaves a row", "gets worse", "meets a bound", "meets bounds", "stands", "gains nothing", "point off a row", "point not whole"],
 )  # fmt: skip

@@ -53,7 +53,6 @@ def test_duals_of_a_quadratic_program_are_no_evidence() -> None:
 
 def test_a_start_of_another_shape_is_refused() -> None:
     compiled = ArrayProblem(program([1, 1], [[1, 1]], 0, 1)).compile("arrays")
-    assert compiled.encode is not None
     assert compiled.encode([0, 1]).tolist() == [0.0, 1.0]
     with pytest.raises(InputError, check=coded("wrong-shape")):
         compiled.encode([1, 2, 3])
@@ -75,7 +74,6 @@ def test_linear_products_from_text_to_text() -> None:
 
 def test_answers_are_vectors_of_the_program_itself() -> None:
     compiled = GIVEN.compile("linear-products")
-    assert compiled.encode is not None
     x = compiled.encode(np.array([1.0, 2.0]))
     assert x.tolist() == [1.0, 2.0, 2.0]
     assert compiled.program.value(x) == GIVEN.program.value(np.array([1.0, 2.0]))
@@ -91,7 +89,6 @@ def test_duals_of_the_relaxation_prove_all_of_its_value_and_no_more_than_the_opt
     compiled = problem.compile("linear-products")
     relaxed = compiled.relaxed().program
     result = LinearSession(relaxed).solve(NEVER)
-    assert compiled.dual_evidence is not None
     evidence = compiled.dual_evidence(result.duals)
     bound, sign = verified_bound(problem, evidence), 1.0 if problem.sense == "min" else -1.0
     size = max(abs(result.value), float(np.abs(relaxed.cost).sum()))

@@ -2,7 +2,6 @@ import math
 
 import numpy as np
 import pytest
-from bin_assignments import worked
 from coded import coded
 from draws import draws
 from joint_assignments import WORKED, enumerated, random_joint
@@ -47,5 +46,3 @@ def test_evidence_of_another_shape_is_refused() -> None:
     for change in ({"bins": [0.0]}, {"requests": None}, {"pickup": None}, {"delivery": math.inf}, {"bins": [0.0, True]}):
         with pytest.raises(InputError, check=coded("malformed")):
             check_errand_prices(WORKED, {**good, **change})
-    with pytest.raises(InputError, check=coded("foreign")):
-        check_errand_prices(worked("O"), good)

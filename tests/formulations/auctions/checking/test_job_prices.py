@@ -2,7 +2,6 @@ import math
 
 import numpy as np
 import pytest
-from bin_assignments import worked as bins
 from coded import coded
 from draws import draws
 from knapsack_assignments import enumerated, random_assignment, worked
@@ -66,8 +65,6 @@ def test_evidence_of_another_shape_is_refused() -> None:
     for data in ({}, {"prices": [1.0]}, {"prices": [1.0, 2.0, None]}, {"prices": [1.0, 2.0, math.inf]}, {"prices": [1.0, 2.0, True]}):
         with pytest.raises(InputError, check=coded("malformed")):
             check_job_prices(worked(), data)
-    with pytest.raises(InputError, check=coded("foreign")):
-        check_job_prices(bins("O"), {"prices": [1.0, 2.0]})
 
 
 def test_overflow_proves_nothing() -> None:

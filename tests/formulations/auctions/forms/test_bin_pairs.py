@@ -13,6 +13,7 @@ from waybound.formulations.auctions.forms.bin_pairs import decoded, encoded, pai
 from waybound.formulations.problem import problem_from_instance
 from waybound.formulations.verified_bounds import verified_bound
 from waybound.instances.reading import read_instance
+from waybound.solvers.backend import BACKENDS, Control, Options
 
 
 def test_answers_and_vectors_stand_for_each_other() -> None:
@@ -40,8 +41,6 @@ def test_solvers_agree_on_worked_assignments(solver: str) -> None:
 
 
 def test_duals_of_the_linear_relaxation_prove_the_optimum_whatever_is_asked_for() -> None:
-    from waybound.solvers.backend import BACKENDS, Control, Options
-
     rng = np.random.default_rng(6)
     for _ in range(draws(40)):
         costs = random_costs(rng, 5)
@@ -116,7 +115,6 @@ def test_the_program_agrees_with_enumeration_negative_costs_and_forbidden_pairs_
 
 def test_an_answer_is_a_point_of_the_program() -> None:
     made = worked("K4", objective="bottleneck").compile("largest-cost")
-    assert made.encode is not None
     vector = made.encode((1, 2, 3, 0))
     assert made.program.residual(vector) == 0.0 and made.program.value(vector) == 12.0
 

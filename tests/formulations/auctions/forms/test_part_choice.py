@@ -3,6 +3,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from file_cases import check_refused
 from program_text import expected, program_text
 from task_problems import best_partition_value, drawn, parts
 
@@ -40,10 +41,8 @@ def test_its_optimum_is_that_of_the_problem(objective, edges):
 
 
 def test_trees_are_not_its_matter_and_no_partition_is_no_point():
-    with pytest.raises(UnsupportedError, match="edges:mst"):
-        parts([0, 1, 2]).compile("part-choice")
-    with pytest.raises(InputError, match="nobody does task 3"):
-        parts([0, 1, 2], edges="none").compile().encode(((0,), (1,)))
+    check_refused(UnsupportedError, "edges:mst", parts([0, 1, 2]).compile, "part-choice")
+    check_refused(InputError, "nobody does task 3", parts([0, 1, 2], edges="none").compile().encode, ((0,), (1,)))
 
 
 def test_part_choice_from_text_to_text(tmp_path: Path) -> None:

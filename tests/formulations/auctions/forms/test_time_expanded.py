@@ -1,10 +1,10 @@
 from pathlib import Path
 
 import numpy as np
-import pytest
-from coded import coded
+from coded import check_coded
 from draws import draws
 from explorations import path, random_map
+from file_cases import check_refused
 from program_text import expected, written
 
 import waybound as wb
@@ -87,7 +87,5 @@ def test_contact_over_a_relay_is_a_flow() -> None:
 
 def test_what_breaks_a_rule_is_no_point_and_too_large_maps_are_refused() -> None:
     problem = path(3, 0, 2)
-    with pytest.raises(InputError, check=coded("unsupported")):
-        problem.compile("time-expanded").encode((((1, 0), (0, 0)),))
-    with pytest.raises(UnsupportedError, match="moves"):
-        path(200, 0, 1000).compile("time-expanded")
+    check_coded(InputError, "unsupported", problem.compile("time-expanded").encode, (((1, 0), (0, 0)),))
+    check_refused(UnsupportedError, "moves", path(200, 0, 1000).compile, "time-expanded")

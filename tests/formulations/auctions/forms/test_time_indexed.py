@@ -72,8 +72,7 @@ def test_programs_and_intervals_agree_and_answers_are_points() -> None:
 
 def test_chains_of_bins_are_full_one_after_the_other() -> None:
     jobs = random_jobs(np.random.default_rng(1), 2, 5)
-    problem = wb.OrchardDay(replace(jobs, standing=np.ones(5, bool)))
-    full = full_at(problem)
+    full = full_at(wb.OrchardDay(replace(jobs, standing=np.ones(5, bool))))
     assert all(full[k] == jobs.work[k] + (full[b] if b >= 0 else 0) for k, b in enumerate(jobs.after.tolist()))
 
 

@@ -23,8 +23,7 @@ def test_lp_read_back_by_highs_holds_the_same_variables_and_rows(name: str, tmp_
             expected.append((row.tolist(), low, high))
         else:
             expected.extend((row.tolist(), a, b) for a, b in ((-math.inf, high), (low, math.inf)) if math.isfinite(a) or math.isfinite(b))
-    rows = list(zip(back["matrix"].tolist(), back["row_lower"], back["row_upper"], strict=True))
-    assert rows == expected
+    assert list(zip(back["matrix"].tolist(), back["row_lower"], back["row_upper"], strict=True)) == expected
 
 
 def test_every_sort_of_row_bound_and_term_has_its_words() -> None:

@@ -27,7 +27,6 @@ def test_one_triangle_of_the_products_is_handed_over() -> None:
     hessian = program.to_highs().getModel().hessian_
     n = program.num_variables
     held = sp.csc_matrix((hessian.value_, hessian.index_, hessian.start_), shape=(n, n)).toarray()
-    assert program.quadratic is not None
     assert np.array_equal(held, np.tril(program.quadratic.toarray()))
 
 
@@ -47,8 +46,7 @@ def test_mathopt_has_the_same_optimum(name: str) -> None:
     assert result.termination.reason == mathopt.TerminationReason.OPTIMAL
     assert result.objective_value() == pytest.approx(reference(program), abs=1e-4)
     values = result.variable_values()
-    x = np.array([values[v] for v in sorted(values, key=lambda v: v.id)])
-    assert program.residual(x) <= 1e-5
+    assert program.residual(np.array([values[v] for v in sorted(values, key=lambda v: v.id)])) <= 1e-5
 
 
 def test_the_model_keeps_names_sides_and_integers_in_the_programs_order() -> None:
@@ -78,8 +76,7 @@ def test_pulp_has_the_same_optimum_and_columns(name: str) -> None:
     assert pulp.LpStatus[model.solve(pulp.PULP_CBC_CMD(msg=False, gapRel=0.0))] == "Optimal"
     assert pulp.value(model.objective) == pytest.approx(reference(program), abs=1e-6)
     assert [int(v.name[1:]) for v in model.variables()] == list(range(program.num_variables))
-    x = np.array([v.varValue for v in model.variables()])
-    assert program.residual(x) <= 1e-6
+    assert program.residual(np.array([v.varValue for v in model.variables()])) <= 1e-6
 
 
 def test_pulp_keeps_the_bounds_of_binaries() -> None:

@@ -21,8 +21,7 @@ ALL = (UNIQUE_ENTRIES, UNITS, MINIMISATION, ONE_SIDED_ROWS, FINITE_BOUNDS)
 def random_program(rng: np.random.Generator):
     n, m, unit = int(rng.integers(2, 5)), int(rng.integers(1, 4)), float(np.exp2(rng.integers(-30, 31)))
     matrix = rng.integers(-3, 4, (m, n))
-    x = rng.integers(0, 3, n)
-    high = matrix @ x + rng.integers(0, 3, m)
+    high = matrix @ rng.integers(0, 3, n) + rng.integers(0, 3, m)
     low = np.where(rng.random(m) < 0.5, high - rng.integers(0, 9, m), -np.inf)
     return program(
         rng.integers(-9, 10, n) * unit, matrix, low, high, 0, rng.integers(1, 4, n), integer=range(n),

@@ -37,8 +37,7 @@ def test_no_evidence_passes_the_optimum_and_that_of_the_search_meets_it(whole):
 
 @pytest.mark.parametrize("scale", [2.0**-40, 1.0, 2.0**40])
 def test_units_do_not_matter(scale):
-    g = graph_of([(a, b, m * scale, v * scale * scale) for a, b, m, v in WORKED])
-    problem = UncertainPath(g, 0.05)
+    problem = UncertainPath(graph_of([(a, b, m * scale, v * scale * scale) for a, b, m, v in WORKED]), 0.05)
     evidence = supported_paths(problem, NEVER).evidence(problem)
     assert check(problem, evidence.data) == pytest.approx(optimum(UncertainPath(graph_of(WORKED), 0.05)) * scale, rel=1e-13)
 

@@ -65,8 +65,7 @@ def test_the_least_margin_is_below_every_point(seed: int) -> None:
 
         best = minimize_scalar(value, bounds=(floor, floor + 12.0), method="bounded", options={"xatol": 1e-10}).fun
         best = min(best, value(float(floor)))
-        margin = _least_margin(slope, price, float(floor))
-        assert best * (1.0 - 1e-9) <= margin <= best
+        assert best * (1.0 - 1e-9) <= _least_margin(slope, price, float(floor)) <= best
 
 
 @pytest.mark.parametrize("p", [problem(), margins([1.0, 2.0, 5.0], 0.1)], ids=["max", "min"])

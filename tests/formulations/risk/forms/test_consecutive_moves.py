@@ -49,8 +49,7 @@ def test_duals_prove_what_walks_do_not():
     for make, walks, best in ((cases.loop, 5, 12), (cases.refusal, 5, 6)):
         problem = make()
         compiled = problem.compile("consecutive-moves")
-        solution = LinearPrograms().solve(compiled.relaxed().program)
-        evidence = compiled.dual_evidence(solution.row_duals)
+        evidence = compiled.dual_evidence(LinearPrograms().solve(compiled.relaxed().program).row_duals)
         assert walks + 0.5 < verified_bound(problem, evidence) <= best + 1e-9
         assert evidence.value == pytest.approx(verified_bound(problem, evidence))
 

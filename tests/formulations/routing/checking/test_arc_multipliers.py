@@ -144,23 +144,12 @@ def test_nothing_is_proved_for_problems_outside_the_relaxation(change):
 @pytest.mark.parametrize(
     "spoil",
     [
-        {"out": [0.0, 0.0]},
-        {"out": [0.0, 0.0, 0.0, 0.0]},
-        {"out": None},
-        {"out": "abc"},
-        {"in": [0.0, "x", 0.0]},
-        {"in": [0.0, math.nan, 0.0]},
-        {"in": [0.0, math.inf, 0.0]},
-        {"in": [0.0, True, 0.0]},
-        {"in": [0.0, [1.0], 0.0]},
-        {"fleet": "many"},
-        {"fleet": math.nan},
-        {"fleet": 10**400},
-        {"resources": [1.0]},
-        {"resources": {"fuel": [0.0, 0.0, 0.0]}},
+        {"out": [0.0, 0.0]}, {"out": [0.0, 0.0, 0.0, 0.0]}, {"out": None}, {"out": "abc"}, {"in": [0.0, "x", 0.0]},
+        {"in": [0.0, math.nan, 0.0]}, {"in": [0.0, math.inf, 0.0]}, {"in": [0.0, True, 0.0]}, {"in": [0.0, [1.0], 0.0]}, {"fleet": "many"},
+        {"fleet": math.nan}, {"fleet": 10**400}, {"resources": [1.0]}, {"resources": {"fuel": [0.0, 0.0, 0.0]}},
         {"resources": {"time": [0.0]}},
     ],
-)
+)  # fmt: skip
 def test_malformed_evidence_is_refused(spoil):
     problem = RoutingProblem(Sites.of("abc"), Travel(EXPLICIT, matrix=np.ones((3, 3))), (VehicleType(),))
     with pytest.raises(InputError):

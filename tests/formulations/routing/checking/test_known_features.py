@@ -42,11 +42,8 @@ def multipliers(problem, rng):
         # Near the shares that customers have in the cost, bounds are good.
         share = problem.travel.distances.max(axis=0) * scale
         data = {
-            "out": (share + 0.1 * prices[0]).tolist(),
-            "in": prices[1].tolist(),
-            "fleet": float(rng.uniform(-1, 1)),
-            "resources": resources,
-        }
+            "out": (share + 0.1 * prices[0]).tolist(), "in": prices[1].tolist(), "fleet": float(rng.uniform(-1, 1)), "resources": resources,
+        }  # fmt: skip
         yield "arc-multipliers", data
 
 
@@ -145,6 +142,5 @@ def test_moves_lead_over_the_depots_of_the_vehicle():
     assert first.capacity == math.inf and not first.reloads
     assert second.energy is not None and second.travel is not None
     d = problem.travel.distances
-    assert first.travel is not None
     assert (first.travel.distances == np.minimum(d, d[:, :1] + d[:1])).all()
     assert (second.travel.distances == d).all()

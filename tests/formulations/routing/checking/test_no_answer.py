@@ -51,8 +51,7 @@ def one_site(vehicle: VehicleType, **site: float) -> RoutingProblem:
     ],
 )
 def test_each_limit_alone_proves_a_site_out_of_reach(vehicle, site):
-    problem = one_site(vehicle, **site)
-    assert check_infeasible_site(problem, {"site": "a"}) == math.inf
+    assert check_infeasible_site(one_site(vehicle, **site), {"site": "a"}) == math.inf
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,6 @@ def test_weights_are_those_of_a_minimisation():
     problem = plane(1, 3, 10.0)
     goal = 2.0 * TotalCost() + 3.0 * Vehicles() - 1.5 * Reward() + 4.0 * Makespan() + Penalties()
     found = terms_of(replace(problem, objective=Objective.of(goal)))
-    assert found is not None
     assert (found.cost, found.vehicles, found.reward, found.peaks, found.penalties) == (2.0, 3.0, -1.5, {"makespan": 4.0}, 1.0)
     flipped = terms_of(replace(problem, objective=Objective.of(Reward() - 0.5 * TotalDuration())))
     assert flipped is not None and (flipped.reward, flipped.duration) == (-1.0, 0.5)

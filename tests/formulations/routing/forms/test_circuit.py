@@ -43,8 +43,7 @@ def test_circuit_from_text_to_text(tmp_path: Path) -> None:
 def test_differences_that_are_rounding_are_no_coefficients() -> None:
     """Sites in a line: what a detour adds is 1e-16, by which a row was scaled so far that CP-SAT's point seemed to break it."""
     problem = routing(xy=np.array([(1, 2), (2, 3), (5, 6), (0, 0), (0, 0)], dtype=float), max_distance=13.0)
-    program = problem.compile("circuit").program
-    assert np.abs(program.data).min() > 0.1
+    assert np.abs(problem.compile("circuit").program.data).min() > 0.1
     agrees(problem, "circuit", optimum(problem))
 
 
@@ -123,8 +122,7 @@ def test_a_customer_that_no_arc_reaches_leaves_no_answer() -> None:
 
 def test_only_solvers_that_know_circuits_take_it() -> None:
     problem = routing(xy=SQUARE_4, count=2)
-    made = problem.compile("circuit")
-    assert made.program.features() == INTEGERS | CIRCUITS
+    assert problem.compile("circuit").program.features() == INTEGERS | CIRCUITS
     assert "circuit" in next(row for row in wb.solvers(problem) if row.name == "cpsat").forms
     assert "circuit" not in next(row for row in wb.solvers(problem) if row.name == "highs").forms
     with pytest.raises(UnsupportedError, match="highs cannot take this problem: it does not handle circuits; can take it: cpsat"):

@@ -44,6 +44,5 @@ def test_a_site_is_served_in_one_of_its_windows() -> None:
 
 
 def test_copies_of_a_station_are_used_in_order() -> None:
-    problem = routing(xy=LINE[:2], count=1, energy=Energy(3.0, stations=(0,)))
-    made = lines_of(problem, "copy")
+    made = lines_of(routing(xy=LINE[:2], count=1, energy=Energy(3.0, stations=(0,))), "copy")
     assert len(made) == 1 and made[0].startswith("copy[1]: ") and made[0].endswith(" <= 0")

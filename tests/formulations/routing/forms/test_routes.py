@@ -3,6 +3,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from file_cases import check_refused
 from oracles import SQUARE_4, routing
 from small_routing import varied
 from truth.routing import RoutingTruth
@@ -47,10 +48,8 @@ def test_arcs_that_are_no_routes_are_refused(moves: list[tuple[int, int]], words
 
 def test_points_are_read_as_0_and_1_within_what_solvers_leave() -> None:
     assert used(np.array([1e-6, 1 - 1e-6, 0.0, 1.0])).tolist() == [False, True, False, True]
-    with pytest.raises(InputError, match=r"an arc 0\.5 away from 0 and 1"):
-        used(np.array([0.0, 0.5]))
-    with pytest.raises(InputError, match="an arc nan away"):
-        used(np.array([0.0, np.nan]))
+    check_refused(InputError, r"an arc 0\.5 away from 0 and 1", used, np.array([0.0, 0.5]))
+    check_refused(InputError, "an arc nan away", used, np.array([0.0, np.nan]))
 
 
 def test_moves_that_no_route_can_make_are_not_found() -> None:
@@ -61,12 +60,9 @@ def test_moves_that_no_route_can_make_are_not_found() -> None:
     assert all(
         (prep.tail[k], prep.head[k]) == (i, j) for k, i, j in zip(index.find(prep.tail, prep.head), prep.tail, prep.head, strict=True)
     )
-    with pytest.raises(InputError, match="no feasible route goes from c to d"):
-        index.arcs_of(np.array([0, 3, 4, 5]), NAMES)
-    with pytest.raises(InputError, match="visits site o, which is no customer"):
-        index.nodes_of(Route((1, 0)), NAMES)
-    with pytest.raises(InputError, match="visits site 9, which is no customer"):
-        index.nodes_of(Route((9,)), NAMES)
+    check_refused(InputError, "no feasible route goes from c to d", index.arcs_of, np.array([0, 3, 4, 5]), NAMES)
+    check_refused(InputError, "visits site o, which is no customer", index.nodes_of, Route((1, 0)), NAMES)
+    check_refused(InputError, "visits site 9, which is no customer", index.nodes_of, Route((9,)), NAMES)
 
 
 def test_levels_are_sums_raised_to_what_a_node_asks_for() -> None:
@@ -77,14 +73,8 @@ def test_levels_are_sums_raised_to_what_a_node_asks_for() -> None:
 
 
 LEVELS: tuple[Composable, ...] = (
-    TotalCost() - Reward(),
-    Makespan(),
-    LongestRoute(),
-    LatestReturn(),
-    TotalDuration(),
-    Vehicles(),
-    Penalties(),
-)
+    TotalCost() - Reward(), Makespan(), LongestRoute(), LatestReturn(), TotalDuration(), Vehicles(), Penalties(),
+)  # fmt: skip
 
 
 @pytest.mark.share(3)

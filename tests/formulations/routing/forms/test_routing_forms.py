@@ -6,11 +6,13 @@ from typing import Any
 import numpy as np
 import pytest
 from draws import ALL, draws
+from file_cases import check_refused
 from hypothesis import HealthCheck, given, settings
 from oracles import (
     ASYM_5,
     EVERY_FORM,
     GAP_5,
+    MIN_COST,
     OCTO_8,
     ROUTING_FORMS,
     SQUARE_4,
@@ -116,13 +118,6 @@ def test_three_index_agrees_with_enumeration_on_many_mixed_fleets(problem: Routi
     agrees(problem, "three-index", optimum(problem))
 
 
-MIN_COST = [
-    ("SQUARE-4", 4, 10.0, 30.0), ("SQUARE-4", 2, 12.0, 24.0), ("SQUARE-4", 2, 14.0, 20.0), ("SQUARE-4", 1, 18.0, 18.0),
-    ("SQUARE-4", 4, 9.99, None), ("SQUARE-4", 2, 11.9, None), ("SQUARE-4", 2, math.inf, 18.0),
-    ("GAP-5", 1, 28.0, 28.0), ("GAP-5", 1, 27.9, None), ("GAP-5", 2, 26.0, 36.0), ("GAP-5", 2, 20.0, 36.0),
-    ("ASYM-5", 1, math.inf, 16.0), ("ASYM-5", 1, 16.0, 16.0), ("ASYM-5", 2, 14.0, 26.0), ("ASYM-5", 3, 14.0, 26.0),
-    ("ASYM-5", 5, 13.0, 31.0), ("ASYM-5", 5, 12.0, None),
-]  # fmt: skip
 LONG_MIN_COST = [
     ("OCTO-8", 1, math.inf, 56.606765), ("OCTO-8", 2, 40.0, 65.254137), ("OCTO-8", 2, 35.0, 69.351820), ("OCTO-8", 3, 30.0, 73.662587),
     ("OCTO-8", 4, 24.0, 86.496481), ("OCTO-8", 2, 32.0, None), ("OCTO-8", 3, 26.0, None), ("OCTO-8", 3, 24.0, None),
@@ -217,14 +212,8 @@ def test_linear_relaxations_are_ordered_and_as_strong_as_published(
 
 def test_first_form_of_a_plain_problem_is_the_one_measured_best() -> None:
     assert routing(xy=SQUARE_4, count=2).forms() == [
-        "two-index-load-flow",
-        "two-index-time-flow",
-        "two-index-mtz",
-        "two-index-unit-flow",
-        "three-index",
-        "set-partitioning",
-        "circuit",
-    ]
+        "two-index-load-flow", "two-index-time-flow", "two-index-mtz", "two-index-unit-flow", "three-index", "set-partitioning", "circuit",
+    ]  # fmt: skip
 
 
 def test_forms_say_what_they_lack() -> None:
@@ -302,10 +291,8 @@ def test_detached_cycles_are_no_routes_and_their_fragments_are_rejected(form: st
     problem = routing(xy=SQUARE_4, count=2, max_distance=14.0)
     made = problem.compile(form)
     program = made.program
-    with pytest.raises(InputError, match="cycle without the depot"):
-        made.decode(point(program, [(1, 4), (4, 1), (2, 3), (3, 2)]))
-    with pytest.raises(InputError, match="cycle without the depot"):
-        made.decode(point(program, [(1, 3), (3, 2), (2, 1), (0, 4), (4, 5)]))
+    check_refused(InputError, "cycle without the depot", made.decode, point(program, [(1, 4), (4, 1), (2, 3), (3, 2)]))
+    check_refused(InputError, "cycle without the depot", made.decode, point(program, [(1, 3), (3, 2), (2, 1), (0, 4), (4, 5)]))
     for fragment in ([], [[4]]):
         verdict = problem.evaluate(Routes.of(fragment))
         assert not verdict.feasible and {v.check for v in verdict.violations} == {"visits"}
@@ -327,8 +314,7 @@ def test_a_route_is_charged_as_stated_and_rejected_just_below(charge: str, fits:
 
 @pytest.mark.parametrize("form", EVERY_FORM)
 def test_fractional_points_and_infeasible_starts_are_refused(form: str) -> None:
-    problem = routing(xy=SQUARE_4, count=2, max_distance=14.0)
-    made = problem.compile(form)
+    made = routing(xy=SQUARE_4, count=2, max_distance=14.0).compile(form)
     program = made.program
     with pytest.raises(InputError, match="fractional"):
         made.decode(np.full(program.num_variables, 0.5))

@@ -60,8 +60,7 @@ def test_each_charge_of_energy_writes_its_own_row(charge: str, row: str | None) 
     matrix = np.array([[0, 3], [3, 0]], dtype=float)
     sites = {"ready": [0, 5], "service": [0, 1]}
     problem = routing(matrix=matrix, sites=sites, count=1, energy=Energy(20, 2, charge))
-    program = problem.compile("three-index").program
-    lines = program_text(program).splitlines()
+    lines = program_text(problem.compile("three-index").program).splitlines()
     assert [line for line in lines if line.startswith("energy")] == ([] if row is None else [row])
     assert any("return[1] <= 10" in line for line in lines) == (row is None)
 

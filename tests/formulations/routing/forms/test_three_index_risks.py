@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 import pytest
 from draws import draws
+from file_cases import check_refused
 from hypothesis import HealthCheck, given, settings, strategies as st
 from oracles import agrees, routing
 from program_text import expected, written
@@ -114,10 +115,8 @@ def test_times_in_other_units_have_the_squares_for_variances_and_the_same_routes
 def test_without_variances_nothing_is_written_and_the_form_refuses() -> None:
     certain = replace(at_risk(0.06), travel=Travel(EXPLICIT, matrix=LINE, variances=np.zeros((5, 5))))
     assert "three-index" in certain.forms() and FORM not in certain.forms()
-    with pytest.raises(UnsupportedError, match="certain durations"):
-        certain.compile(FORM)
-    with pytest.raises(UnsupportedError, match="team-risk"):
-        replace(at_risk(None), team_risk=0.1).compile(FORM)
+    check_refused(UnsupportedError, "certain durations", certain.compile, FORM)
+    check_refused(UnsupportedError, "team-risk", replace(at_risk(None), team_risk=0.1).compile, FORM)
 
 
 TWO_SITES = """

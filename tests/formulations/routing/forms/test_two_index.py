@@ -29,27 +29,43 @@ TWO_SITES = """
 """Begin of service: at a from 3 to 12, at b from 5 to 9 (7 later the vehicle must be home). Load after service: 2 to 4, and 1 to 4."""
 
 
+VISITS = expected("""
+    min 3 x[o,a] + 5 x[o,b] + 4 x[a,b] + 3 x[a,o] + 4 x[b,a] + 5 x[b,o]
+    visit-out[a]: x[a,b] + x[a,o] = 1
+    visit-out[b]: x[b,a] + x[b,o] = 1
+    visit-in[a]: x[o,a] + x[b,a] = 1
+    visit-in[b]: x[o,b] + x[a,b] = 1
+    fleet: 1 <= x[o,a] + x[o,b] <= 2
+""")
+TIME_LEVELS = expected("""
+    time[a,b]: 12 x[a,b] + time[a] - time[b] <= 7
+    time[b,a]: 12 x[b,a] - time[a] + time[b] <= 6
+    time-earliest[a]: - 8 x[b,a] + time[a] >= 3
+    time-earliest[b]: - 3 x[a,b] + time[b] >= 5
+    time-latest[a]: 8 x[a,b] + time[a] <= 12
+    time-latest[b]: 3 x[b,a] + time[b] <= 9
+""")
+LOAD_LEVELS = expected("""
+    load[a,b]: 4 x[a,b] + x[b,a] + load[a] - load[b] <= 3
+    load[b,a]: x[a,b] + 4 x[b,a] - load[a] + load[b] <= 2
+    load-earliest[a]: - x[b,a] + load[a] >= 2
+    load-earliest[b]: - 2 x[a,b] + load[b] >= 1
+    load-latest[a]: x[a,b] + load[a] <= 4
+    load-latest[b]: 2 x[b,a] + load[b] <= 4
+""")
+LOAD_FLOW = expected("""
+    load-link[a,b]: - x[a,b] + load-flow[a,b] <= 0
+    load-link[a,o]: - 2 x[a,o] + load-flow[a,o] <= 0
+    load-link[b,a]: - x[b,a] + load-flow[b,a] <= 0
+    load-link[b,o]: - 3 x[b,o] + load-flow[b,o] <= 0
+    load-balance[a]: - 2 x[o,a] + 2 x[a,b] + 2 x[a,o] - 3 x[b,a] + load-flow[a,b] + load-flow[a,o] - load-flow[b,a] >= 0
+    load-balance[b]: - x[o,b] - 3 x[a,b] + x[b,a] + x[b,o] - load-flow[a,b] + load-flow[b,a] + load-flow[b,o] >= 0
+""")
+
+
 def test_two_index_mtz_from_text_to_text(tmp_path: Path) -> None:
-    assert written(TWO_SITES, "two-index-mtz", tmp_path) == expected("""
-        two-index-mtz, exact
-        min 3 x[o,a] + 5 x[o,b] + 4 x[a,b] + 3 x[a,o] + 4 x[b,a] + 5 x[b,o]
-        visit-out[a]: x[a,b] + x[a,o] = 1
-        visit-out[b]: x[b,a] + x[b,o] = 1
-        visit-in[a]: x[o,a] + x[b,a] = 1
-        visit-in[b]: x[o,b] + x[a,b] = 1
-        fleet: 1 <= x[o,a] + x[o,b] <= 2
-        time[a,b]: 12 x[a,b] + time[a] - time[b] <= 7
-        time[b,a]: 12 x[b,a] - time[a] + time[b] <= 6
-        time-earliest[a]: - 8 x[b,a] + time[a] >= 3
-        time-earliest[b]: - 3 x[a,b] + time[b] >= 5
-        time-latest[a]: 8 x[a,b] + time[a] <= 12
-        time-latest[b]: 3 x[b,a] + time[b] <= 9
-        load[a,b]: 4 x[a,b] + x[b,a] + load[a] - load[b] <= 3
-        load[b,a]: x[a,b] + 4 x[b,a] - load[a] + load[b] <= 2
-        load-earliest[a]: - x[b,a] + load[a] >= 2
-        load-earliest[b]: - 2 x[a,b] + load[b] >= 1
-        load-latest[a]: x[a,b] + load[a] <= 4
-        load-latest[b]: 2 x[b,a] + load[b] <= 4
+    told = "two-index-mtz, exact\n" + VISITS + TIME_LEVELS + LOAD_LEVELS
+    assert written(TWO_SITES, "two-index-mtz", tmp_path) == told + expected("""
         x[o,a], x[o,b], x[a,b], x[a,o], x[b,a], x[b,o] binary
         3 <= time[a] <= 12
         5 <= time[b] <= 9
@@ -60,26 +76,8 @@ def test_two_index_mtz_from_text_to_text(tmp_path: Path) -> None:
 
 def test_two_index_load_flow_from_text_to_text(tmp_path: Path) -> None:
     """Times as levels of nodes, loads as flows beyond the least load of their tail."""
-    assert written(TWO_SITES, "two-index-load-flow", tmp_path) == expected("""
-        two-index-load-flow, exact
-        min 3 x[o,a] + 5 x[o,b] + 4 x[a,b] + 3 x[a,o] + 4 x[b,a] + 5 x[b,o]
-        visit-out[a]: x[a,b] + x[a,o] = 1
-        visit-out[b]: x[b,a] + x[b,o] = 1
-        visit-in[a]: x[o,a] + x[b,a] = 1
-        visit-in[b]: x[o,b] + x[a,b] = 1
-        fleet: 1 <= x[o,a] + x[o,b] <= 2
-        time[a,b]: 12 x[a,b] + time[a] - time[b] <= 7
-        time[b,a]: 12 x[b,a] - time[a] + time[b] <= 6
-        time-earliest[a]: - 8 x[b,a] + time[a] >= 3
-        time-earliest[b]: - 3 x[a,b] + time[b] >= 5
-        time-latest[a]: 8 x[a,b] + time[a] <= 12
-        time-latest[b]: 3 x[b,a] + time[b] <= 9
-        load-link[a,b]: - x[a,b] + load-flow[a,b] <= 0
-        load-link[a,o]: - 2 x[a,o] + load-flow[a,o] <= 0
-        load-link[b,a]: - x[b,a] + load-flow[b,a] <= 0
-        load-link[b,o]: - 3 x[b,o] + load-flow[b,o] <= 0
-        load-balance[a]: - 2 x[o,a] + 2 x[a,b] + 2 x[a,o] - 3 x[b,a] + load-flow[a,b] + load-flow[a,o] - load-flow[b,a] >= 0
-        load-balance[b]: - x[o,b] - 3 x[a,b] + x[b,a] + x[b,o] - load-flow[a,b] + load-flow[b,a] + load-flow[b,o] >= 0
+    told = "two-index-load-flow, exact\n" + VISITS + TIME_LEVELS + LOAD_FLOW
+    assert written(TWO_SITES, "two-index-load-flow", tmp_path) == told + expected("""
         x[o,a], x[o,b], x[a,b], x[a,o], x[b,a], x[b,o] binary
         3 <= time[a] <= 12
         5 <= time[b] <= 9
@@ -90,26 +88,16 @@ def test_two_index_load_flow_from_text_to_text(tmp_path: Path) -> None:
 
 
 def test_two_index_time_flow_from_text_to_text(tmp_path: Path) -> None:
-    assert written(TWO_SITES, "two-index-time-flow", tmp_path) == expected("""
-        two-index-time-flow, exact
-        min 3 x[o,a] + 5 x[o,b] + 4 x[a,b] + 3 x[a,o] + 4 x[b,a] + 5 x[b,o]
-        visit-out[a]: x[a,b] + x[a,o] = 1
-        visit-out[b]: x[b,a] + x[b,o] = 1
-        visit-in[a]: x[o,a] + x[b,a] = 1
-        visit-in[b]: x[o,b] + x[a,b] = 1
-        fleet: 1 <= x[o,a] + x[o,b] <= 2
+    flow = expected("""
         time-link[a,b]: - x[a,b] + time-flow[a,b] <= 0
         time-link[a,o]: - 9 x[a,o] + time-flow[a,o] <= 0
         time-link[b,a]: - x[b,a] + time-flow[b,a] <= 0
         time-link[b,o]: - 4 x[b,o] + time-flow[b,o] <= 0
         time-balance[a]: - 3 x[o,a] + 3 x[a,b] + 3 x[a,o] - 11 x[b,a] + time-flow[a,b] + time-flow[a,o] - time-flow[b,a] >= 0
         time-balance[b]: - 5 x[o,b] - 8 x[a,b] + 5 x[b,a] + 5 x[b,o] - time-flow[a,b] + time-flow[b,a] + time-flow[b,o] >= 0
-        load-link[a,b]: - x[a,b] + load-flow[a,b] <= 0
-        load-link[a,o]: - 2 x[a,o] + load-flow[a,o] <= 0
-        load-link[b,a]: - x[b,a] + load-flow[b,a] <= 0
-        load-link[b,o]: - 3 x[b,o] + load-flow[b,o] <= 0
-        load-balance[a]: - 2 x[o,a] + 2 x[a,b] + 2 x[a,o] - 3 x[b,a] + load-flow[a,b] + load-flow[a,o] - load-flow[b,a] >= 0
-        load-balance[b]: - x[o,b] - 3 x[a,b] + x[b,a] + x[b,o] - load-flow[a,b] + load-flow[b,a] + load-flow[b,o] >= 0
+    """)
+    told = "two-index-time-flow, exact\n" + VISITS + flow + LOAD_FLOW
+    assert written(TWO_SITES, "two-index-time-flow", tmp_path) == told + expected("""
         x[o,a], x[o,b], x[a,b], x[a,o], x[b,a], x[b,o] binary
         0 <= time-flow[a,b], time-flow[b,a], load-flow[a,b], load-flow[b,a] <= 1
         0 <= time-flow[a,o] <= 9
@@ -121,32 +109,16 @@ def test_two_index_time_flow_from_text_to_text(tmp_path: Path) -> None:
 
 def test_two_index_unit_flow_from_text_to_text(tmp_path: Path) -> None:
     """Times and loads as levels of nodes, and how many were visited as a flow beyond the least of its tail: 1 of 2 on the way between."""
-    assert written(TWO_SITES, "two-index-unit-flow", tmp_path) == expected("""
-        two-index-unit-flow, exact
-        min 3 x[o,a] + 5 x[o,b] + 4 x[a,b] + 3 x[a,o] + 4 x[b,a] + 5 x[b,o]
-        visit-out[a]: x[a,b] + x[a,o] = 1
-        visit-out[b]: x[b,a] + x[b,o] = 1
-        visit-in[a]: x[o,a] + x[b,a] = 1
-        visit-in[b]: x[o,b] + x[a,b] = 1
-        fleet: 1 <= x[o,a] + x[o,b] <= 2
-        time[a,b]: 12 x[a,b] + time[a] - time[b] <= 7
-        time[b,a]: 12 x[b,a] - time[a] + time[b] <= 6
-        time-earliest[a]: - 8 x[b,a] + time[a] >= 3
-        time-earliest[b]: - 3 x[a,b] + time[b] >= 5
-        time-latest[a]: 8 x[a,b] + time[a] <= 12
-        time-latest[b]: 3 x[b,a] + time[b] <= 9
-        load[a,b]: 4 x[a,b] + x[b,a] + load[a] - load[b] <= 3
-        load[b,a]: x[a,b] + 4 x[b,a] - load[a] + load[b] <= 2
-        load-earliest[a]: - x[b,a] + load[a] >= 2
-        load-earliest[b]: - 2 x[a,b] + load[b] >= 1
-        load-latest[a]: x[a,b] + load[a] <= 4
-        load-latest[b]: 2 x[b,a] + load[b] <= 4
+    flow = expected("""
         order-link[a,b]: order-flow[a,b] <= 0
         order-link[a,o]: - x[a,o] + order-flow[a,o] <= 0
         order-link[b,a]: order-flow[b,a] <= 0
         order-link[b,o]: - x[b,o] + order-flow[b,o] <= 0
         order-balance[a]: - x[o,a] + x[a,b] + x[a,o] - 2 x[b,a] + order-flow[a,b] + order-flow[a,o] - order-flow[b,a] >= 0
         order-balance[b]: - x[o,b] - 2 x[a,b] + x[b,a] + x[b,o] - order-flow[a,b] + order-flow[b,a] + order-flow[b,o] >= 0
+    """)
+    told = "two-index-unit-flow, exact\n" + VISITS + TIME_LEVELS + LOAD_LEVELS + flow
+    assert written(TWO_SITES, "two-index-unit-flow", tmp_path) == told + expected("""
         x[o,a], x[o,b], x[a,b], x[a,o], x[b,a], x[b,o] binary
         3 <= time[a] <= 12
         5 <= time[b] <= 9
@@ -220,7 +192,6 @@ def test_wrong_duals_prove_no_more_than_the_optimum(problem: RoutingProblem) -> 
 def test_evidence_lists_one_number_a_site_with_zeros_at_the_depot() -> None:
     problem = routing(xy=SQUARE_4, sites={**TW_4, "demand": [0, 1, 2, 1, 1]}, count=3, capacity=3, max_distance=30.0)
     made = problem.compile("two-index-time-flow", relax=True)
-    assert made.dual_evidence is not None
     data = made.dual_evidence(duals_of(made.program)[1]).data
     assert set(data) == {"out", "in", "fleet", "resources"}
     assert set(data["resources"]) == {"time", "load", "distance"}
@@ -279,7 +250,6 @@ def test_flow_relaxation_of_a_real_file_is_verified_and_strong(benchmarks: Path)
     problem = problem_from_instance(read_instance(benchmarks / "vrptw-solomon" / "C101.txt"), None, customers=25, convention="trunc1")
     made = problem.compile("two-index-time-flow", relax=True)
     value, duals = duals_of(made.program)
-    assert made.dual_evidence is not None
     bound = verified_bound(problem, made.dual_evidence(duals))
     assert value - 1e-3 <= bound <= 191.3 + 1e-6
     assert bound >= 0.9 * 191.3 and math.isfinite(bound)

@@ -6,7 +6,7 @@ from coded import coded
 from hypothesis import given, strategies as st
 from selection_problems import CONSTRAINTS, KINDS, cover_30, cover_tight, feasible_sets, optimum, random_problem
 
-from waybound import BottleneckSATA, Evidence, InputError, Selection, SensingGraph, SubmodularSelection
+from waybound import Evidence, InputError, Selection, SubmodularSelection
 from waybound.formulations.sata.checking.marginal_gains import check_marginal_gains
 from waybound.formulations.tolerance import LIMIT
 from waybound.formulations.verified_bounds import verified_bound
@@ -102,21 +102,10 @@ def test_a_declaration_that_the_values_contradict_proves_nothing(prefix: list[in
 @pytest.mark.parametrize(
     ("data", "code"),
     [
-        ({"prefix": [0, 0]}, "unknown-name"),
-        ({"prefix": [4]}, "unknown-name"),
-        ({"prefix": [-1]}, "unknown-name"),
-        ({"prefix": [0.5]}, "malformed"),
-        ({"prefix": [True]}, "malformed"),
-        ({"prefix": "01"}, "malformed"),
-        ({}, "malformed"),
+        ({"prefix": [0, 0]}, "unknown-name"), ({"prefix": [4]}, "unknown-name"), ({"prefix": [-1]}, "unknown-name"),
+        ({"prefix": [0.5]}, "malformed"), ({"prefix": [True]}, "malformed"), ({"prefix": "01"}, "malformed"), ({}, "malformed"),
     ],
-)
+)  # fmt: skip
 def test_malformed_evidence_is_refused(data: dict[str, object], code: Code) -> None:
     with pytest.raises(InputError, check=coded(code)):
         verified_bound(cover_tight(), Evidence("marginal-gains", "test", 0.0, data))
-
-
-def test_it_is_no_evidence_for_other_problems() -> None:
-    bottleneck = BottleneckSATA(SensingGraph.from_edges([0], [0], [0]))
-    with pytest.raises(InputError, check=coded("foreign")):
-        check_marginal_gains(bottleneck, {"prefix": []})

@@ -1,4 +1,5 @@
 import math
+from fractions import Fraction
 
 import numpy as np
 import pytest
@@ -10,6 +11,7 @@ from sata_cases import best_value
 from waybound import BottleneckSATA, InputError, MaxMinLP
 from waybound.formulations.evidence import CHECKERS
 from waybound.instances.sata.sensing_graph import graph_of_edges
+from waybound.solvers.backend import BACKENDS, Control, Options
 
 KIND = "packing-covering-duals"
 ANY = st.one_of(st.floats(-10, 10), st.sampled_from([0.0, 1e-300, 1e300, 5e-324, -1e9]))
@@ -42,12 +44,9 @@ def test_any_prices_prove_a_bound_that_holds(seed, sense, data):
 @settings(max_examples=draws(100), deadline=None)
 @given(st.integers(0, 10**6), st.sampled_from(["max", "min"]))
 def test_optimal_prices_prove_the_optimum(seed, sense):
-    from waybound.solvers.backend import BACKENDS, Control, Options
-
     problem = random_problem(np.random.default_rng(seed), sense)
     made = problem.compile()
-    result = BACKENDS["highs"]().run(made.program, Options(), Control())
-    evidence = made.dual_evidence(result.row_duals)
+    evidence = made.dual_evidence(BACKENDS["highs"]().run(made.program, Options(), Control()).row_duals)
     best = best_value(problem)
     if best > 1e-9 or sense == "max":  # that nothing is needed is proved by no price
         assert CHECKERS[KIND](problem, evidence.data) == pytest.approx(best, abs=1e-7)
@@ -64,8 +63,6 @@ def test_prices_are_scaled_to_the_best_bound_that_they_prove():
 
 def test_the_rounding_never_favours_the_bound():
     rng = np.random.default_rng(0)
-    from fractions import Fraction
-
     for _ in range(200):
         problem = random_problem(rng, "max")
         y, z = rng.random(problem.covering.rows), rng.random(problem.packing.rows)
@@ -108,22 +105,16 @@ def test_a_value_too_small_for_a_double_is_not_proved_to_be_zero():
 def test_tiny_products_are_not_lost():
     # C'y and A'z both vanish in floats; their true ratio is 1e10.
     problem = MaxMinLP([[1e-320]], [[1e-310]])
-    bound = CHECKERS[KIND](problem, {"covering": [1e-320], "packing": [1.0]})
-    assert bound >= 1e10 * (1 - 1e-6)
+    assert CHECKERS[KIND](problem, {"covering": [1e-320], "packing": [1.0]}) >= 1e10 * (1 - 1e-6)
 
 
 @pytest.mark.parametrize(
     "data",
     [
-        {},
-        {"covering": [1, 1]},
-        {"covering": [1], "packing": [1, 1]},
-        {"covering": [1, 1], "packing": [1, math.nan]},
-        {"covering": [1, math.inf], "packing": [1, 1]},
-        {"covering": "11", "packing": [1, 1]},
-        {"covering": [1, True], "packing": [1, 1]},
+        {}, {"covering": [1, 1]}, {"covering": [1], "packing": [1, 1]}, {"covering": [1, 1], "packing": [1, math.nan]},
+        {"covering": [1, math.inf], "packing": [1, 1]}, {"covering": "11", "packing": [1, 1]}, {"covering": [1, True], "packing": [1, 1]},
     ],
-)
+)  # fmt: skip
 def test_malformed_prices_are_refused(data):
     with pytest.raises(InputError):
         CHECKERS[KIND](MaxMinLP(np.eye(2), np.eye(2)), data)

@@ -48,8 +48,7 @@ def test_levels_are_the_different_weights_of_an_item():
 def test_coverage_has_one_row_an_item():
     problem = cover_30(6)
     program = problem.compile("facility-location").program
-    covered = len(np.unique(problem.function.indices))
-    assert program.num_rows == 1 + covered
+    assert program.num_rows == 1 + len(np.unique(problem.function.indices))
     assert BACKENDS["highs"]().run(program, Options(), Control()).objective == pytest.approx(142.0)
 
 

@@ -1,6 +1,6 @@
 import numpy as np
 import pytest
-from coded import coded
+from coded import check_coded, coded
 from program_text import expected, written
 from random_sensing import optimum
 from sata_cases import CASES, best_value, dense_weights, random_graph, selections
@@ -70,8 +70,7 @@ def test_nonsense_duals_prove_nothing_false():
     rng = np.random.default_rng(2)
     for _ in range(50):
         graph = random_graph(rng)
-        problem = BottleneckSATA(graph, fractional=True)
-        compiled = problem.compile()
+        compiled = BottleneckSATA(graph, fractional=True).compile()
         value = compiled.dual_evidence(rng.normal(size=compiled.program.num_rows)).value
         assert value >= optimum(graph) - 1e-9
 
@@ -103,12 +102,9 @@ def test_answers_become_points_of_their_value_and_come_back(fractional):
 
 def test_starts_of_another_shape_are_refused():
     problem = BottleneckSATA(CASES["S1"].graph, fractional=True)
-    with pytest.raises(InputError, check=coded("wrong-shape")):
-        problem.compile().encode(np.ones(2))
-    with pytest.raises(InputError, check=coded("unknown-name")):
-        BottleneckSATA(CASES["S1"].graph).compile().encode(Selection.of([77]))
-    with pytest.raises(InputError, check=coded("wrong-shape")):
-        MaxMinLP(np.eye(2), np.eye(2)).compile().encode(np.ones(3))
+    check_coded(InputError, "wrong-shape", problem.compile().encode, np.ones(2))
+    check_coded(InputError, "unknown-name", BottleneckSATA(CASES["S1"].graph).compile().encode, Selection.of([77]))
+    check_coded(InputError, "wrong-shape", MaxMinLP(np.eye(2), np.eye(2)).compile().encode, np.ones(3))
 
 
 def test_shares_that_exceed_a_row_by_a_tolerance_are_pulled_back():
@@ -122,8 +118,7 @@ def test_shares_that_exceed_a_row_by_a_tolerance_are_pulled_back():
 def test_idle_robots_and_unseen_targets_make_the_value_zero():
     graph = graph_of_edges([0, 2], [0, 0], [0, 2], robots=4, targets=4)
     for fractional in (False, True):
-        problem = BottleneckSATA(graph, fractional=fractional)
-        compiled = problem.compile()
+        compiled = BottleneckSATA(graph, fractional=fractional).compile()
         program = compiled.program
         assert (program.num_rows, program.num_variables) == (8, 3)
         result = solved(program)
@@ -133,8 +128,7 @@ def test_idle_robots_and_unseen_targets_make_the_value_zero():
 
 
 def test_a_graph_without_actions_can_be_written_down():
-    graph = graph_of_edges([], [], [], robots=2, targets=3)
-    program = BottleneckSATA(graph).compile().program
+    program = BottleneckSATA(graph_of_edges([], [], [], robots=2, targets=3)).compile().program
     assert program.num_variables == 1
     assert solved(program).objective == 0.0
 
@@ -153,8 +147,7 @@ def test_rows_are_those_of_the_formulas():
     known = CASES["S1w"]
     program = BottleneckSATA(known.graph).compile().program
     dense = program.matrix.toarray()
-    c = dense_weights(known.graph)
-    assert (dense[3:, :6] == c.T).all()
+    assert (dense[3:, :6] == dense_weights(known.graph).T).all()
     assert (dense[3:, 6] == -1).all()
     assert (dense[:3, 6] == 0).all()
     assert (dense[:3, :6] == np.repeat(np.eye(3), 2, axis=1)).all()

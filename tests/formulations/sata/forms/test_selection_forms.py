@@ -4,7 +4,7 @@ import itertools
 
 import numpy as np
 import pytest
-from coded import coded
+from coded import check_coded
 from draws import draws
 from programs import AnsweredBy
 from sata_cases import CASES, random_graph, selections
@@ -18,6 +18,7 @@ from waybound.instances.sata.sensing_graph import graph_of_edges
 from waybound.instances.sata.set_functions import Coverage, FacilityLocation
 from waybound.solvers.backend import BACKENDS, Control, Options
 from waybound.solvers.bounds import BOUNDS
+from waybound.solvers.bounds.linear_relaxation import linear_relaxation_bound
 from waybound.solving.bounding import find_bounds
 
 LINEAR = ("facility-location", "strong-linearisation", "weak-linearisation")
@@ -105,8 +106,7 @@ def test_duals_of_an_interior_point_without_crossover_prove_nothing_false():
     for problem in random_problems(40, seed=9):
         for form in LINEAR:
             compiled = problem.compile(form, relax=True)
-            program = compiled.program
-            duals = solved(program, solver="ipm", run_crossover="off").row_duals
+            duals = solved(compiled.program, solver="ipm", run_crossover="off").row_duals
             if duals is not None:
                 assert compiled.dual_evidence(duals).value >= optimum(problem) - 1e-9
 
@@ -188,10 +188,8 @@ def test_the_default_form_is_linear_and_the_product_is_last():
 def test_fractional_points_choose_nothing():
     compiled = cover_30(3).compile()
     program = compiled.program
-    with pytest.raises(InputError, check=coded("out-of-range")):
-        compiled.decode(np.full(program.num_variables, 0.4))
-    with pytest.raises(InputError, check=coded("unknown-name")):
-        compiled.encode(Selection.of([99]))
+    check_coded(InputError, "out-of-range", compiled.decode, np.full(program.num_variables, 0.4))
+    check_coded(InputError, "unknown-name", compiled.encode, Selection.of([99]))
 
 
 @pytest.mark.parametrize("form", [*LINEAR, "product"])
@@ -252,8 +250,6 @@ def test_the_bound_by_linear_relaxation_takes_every_new_family():
 
 @pytest.mark.slow
 def test_the_bound_by_linear_relaxation_passes_over_forms_that_are_not_linear(monkeypatch):
-    from waybound.solvers.bounds.linear_relaxation import linear_relaxation_bound
-
     problem = cover_30(4)
     monkeypatch.setattr(type(problem), "forms", lambda self: ["product", "strong-linearisation"])
     programs = []

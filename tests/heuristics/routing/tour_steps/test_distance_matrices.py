@@ -43,8 +43,7 @@ def problem(**travel: object) -> RoutingProblem:
 
 
 def test_nodes_are_the_start_the_customers_and_the_end() -> None:
-    found = site_data(problem(), NEVER, "insertion")
-    nodes, (demand, _, ready, due, distance, time), limits = found
+    nodes, (demand, _, ready, due, distance, time), limits = site_data(problem(), NEVER, "insertion")
     assert nodes.tolist() == [0, 1, 3, 2]
     assert (demand.tolist(), ready.tolist(), due.tolist()) == ([0, 3, 5, 0], [1, 2, 0, 0], [9, 9, 7, 8])
     assert distance[1].tolist() == [4, 0, 7, 6] and time is distance

@@ -8,6 +8,7 @@ from draws import draws
 from hypothesis import given, settings, strategies as st
 
 from waybound import RoutingProblem, Sites, Travel, UsageError, VehicleType
+from waybound.formulations.routing.routes import Routes
 from waybound.formulations.stop import NEVER, Stop
 from waybound.heuristics.routing.tour_steps import giant_tour as module
 from waybound.heuristics.routing.tour_steps.giant_tour import Costs, giant_tour, guaranteed, in_rows, moving_costs
@@ -20,8 +21,7 @@ def of(travel: Travel, service: float = 0.0, **vehicle: float) -> RoutingProblem
 
 
 def costs_of(travel: Travel, **given: float) -> Costs:
-    made = moving_costs(of(travel, **given), NEVER)
-    return made
+    return moving_costs(of(travel, **given), NEVER)
 
 
 def plane(seed: int, n: int, convention: str = "exact") -> Travel:
@@ -31,8 +31,6 @@ def plane(seed: int, n: int, convention: str = "exact") -> Travel:
 def test_routes_cost_the_sum_of_their_moves() -> None:
     problem = of(plane(1, 4), fixed_cost=10.0, unit_cost=2.0)
     costs = moving_costs(problem, NEVER)
-    from waybound.formulations.routing.routes import Routes
-
     value = problem.evaluate(Routes.of([[1, 3], [2]])).values[0]
     moves = [(0, 1), (1, 3), (3, 0), (0, 2), (2, 0)]
     assert math.fsum(costs.moves[i, j] for i, j in moves) == pytest.approx(value)
@@ -59,8 +57,7 @@ def test_what_is_metric_by_nature(travel: Travel, known: bool) -> None:
 
 
 def test_one_way_moves_are_told_from_symmetric_ones() -> None:
-    matrix = np.array([[0.0, 1, 2], [3, 0, 4], [2, 4, 0]])
-    costs = costs_of(Travel(EXPLICIT, matrix=matrix))
+    costs = costs_of(Travel(EXPLICIT, matrix=np.array([[0.0, 1, 2], [3, 0, 4], [2, 4, 0]])))
     assert not costs.symmetric and costs.both_ways[0, 1] == 2.0
     found = giant_tour(costs, "christofides", True, NEVER)
     assert found.ratio is None and "not symmetric" in found.message

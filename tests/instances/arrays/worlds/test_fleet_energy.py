@@ -10,13 +10,8 @@ JOBS = (Job(np.array([[2.0, 0.0]]), 0, NEVER), Job(np.array([[0.0, 1.0], [3.0, 0
 
 def world(**changes):
     values = {
-        "pads": np.zeros((2, 2)),
-        "endurance": np.array([6, 6]),
-        "recharge": np.array([16, 16]),
-        "jobs": JOBS,
-        "reach": 1.0,
-        "reserve": 2,
-    } | changes
+        "pads": np.zeros((2, 2)), "endurance": np.array([6, 6]), "recharge": np.array([16, 16]), "jobs": JOBS, "reach": 1.0, "reserve": 2,
+    } | changes  # fmt: skip
     return FleetWorld(**values)
 
 

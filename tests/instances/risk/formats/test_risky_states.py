@@ -26,11 +26,8 @@ def read(text: str):
 def test_states_within_reach_are_neighbours():
     graph = read(TABLE)
     assert (graph.name, len(graph.tail), graph.goals, [e.label for e in graph.elements]) == (
-        "states",
-        8,
-        (3, 2),
-        ["distance", "view", "length"],
-    )
+        "states", 8, (3, 2), ["distance", "view", "length"],
+    )  # fmt: skip
     assert graph.rewards.tolist() == [0, 2, 0, 0]
     assert len(read(TABLE.replace("1.2", "1.5")).tail) == 12
 

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 from coded import coded
-from file_cases import Change, Differences, Read, Refusal, check_fault, check_refused, check_unwritable, with_line_of
+from file_cases import Differences, Read, Refusal, check_refused, faults, strangers, unwritable, with_line_of
 from file_texts import MDVRP
 
 from waybound import InputError, UsageError, VehicleType
@@ -64,39 +64,32 @@ def test_line_ends_and_marks_do_not_matter(change: Callable[[str], str], read_te
     assert read_text_as(change(MDVRP)).sites.demand.tolist() == [7, 30, 16, 0, 0]
 
 
-@pytest.mark.parametrize(
-    ("text", "line", "message", "expected", "found"),
-    [
-        (with_line(1, "1 3 3 2"), 1, "type 1 (PVRP) is not supported", "0 (VRP), 2 (MDVRP), 4 (VRPTW), 6 (MDVRPTW)", None),
-        (with_line(1, "3 3 3 2"), 1, "type 3 (SDVRP) is not supported", "0 (VRP), 2 (MDVRP), 4 (VRPTW), 6 (MDVRPTW)", None),
-        (with_line(1, "0 3 3 2"), 1, "type 0 (VRP) has one depot", "1", "2"),
-        (with_line(1, "2 0 3 2"), 1, "m must be a whole number", "1 or more", "'0'"),
-        (with_line(1, "2 3 4 2"), 8, "ends early", "depot 6", "the end of the file"),
-        (with_line(1, "2 3 0 2"), 1, "n must be a whole number", "1 or more", "'0'"),
-        (with_line(1, "2 3 2000000000 2"), 8, None, None, None),
-        (with_line(1, "2 3 3 3"), 4, "line of limits has a wrong length", "longest duration and capacity", "9 values"),
-        (with_line(1, "2 3 3 2000000000"), 1, "there are too many depots", "at most 1000", "2000000000"),
-        (with_line(2, "-1 80"), 2, "longest duration is negative", "0 (none) or more", "'-1'"),
-        (with_line(2, "0 0"), 2, "capacity must be positive", "more than 0", "'0'"),
-        (with_line(3, "0"), 3, "line of limits has a wrong length", "longest duration and capacity", "1 values"),
-        (with_line(5, "3 49 49 5 30 1 2 1 2"), 5, "number of a customer is out of order", "2", "3"),
-        (with_line(5, "2 49 49 5 30 1 3 1 2"), 5, "row of a customer has a wrong length", None, "9 values"),
-        (with_line(5, "2 49 49 5 30 1 2.5 1 2"), 5, "row of a customer has a wrong length", None, "9 values"),
-        (with_line(5, "2 49 49 5 30 1 1 2"), 5, "customers that some depots alone may serve", "f 1, list 1 2", "f 1, list 2"),
-        (with_line(5, "2 49 49 5 30 2 2 1 2"), 5, "visited more than once, are not supported", "f 1, list 1 2", "f 2, list 1 2"),
-        (with_line(5, "2 49 49 5 -30 1 2 1 2"), 5, "demand is negative", "0 or more", "-30.0"),
-        (with_line(5, "2 49 49 -5 30 1 2 1 2"), 5, "service time is negative", "0 or more", "-5.0"),
-        (with_line(5, "2 49 49 5 1e999 1 2 1 2"), 5, "customer holds something that is no finite number", "a number", "'1e999'"),
-        (with_line(8, "5 60 50 0 4 0 0"), 8, "the depot has a demand or a service time", "0", "[0. 4.]"),
-        (MDVRP + "6 60 50 0 0 0 0\n", 9, "goes on after its end", "the end of the file", "'6 60 50 0 0 0 0'"),
-        (MDVRP[: MDVRP.index(" 5 60")], 7, "ends early", "depot 5", "the end of the file"),
-        (with_line(3, "10 90").replace("310 80", "10 80"), 4, "no vehicle can reach customer 1", "at most 10", None),
-    ],
+test_a_fault_is_refused_with_its_line = faults(
+    (with_line(1, "1 3 3 2"), 1, "type 1 (PVRP) is not supported", "0 (VRP), 2 (MDVRP), 4 (VRPTW), 6 (MDVRPTW)", None),
+    (with_line(1, "3 3 3 2"), 1, "type 3 (SDVRP) is not supported", "0 (VRP), 2 (MDVRP), 4 (VRPTW), 6 (MDVRPTW)", None),
+    (with_line(1, "0 3 3 2"), 1, "type 0 (VRP) has one depot", "1", "2"),
+    (with_line(1, "2 0 3 2"), 1, "m must be a whole number", "1 or more", "'0'"),
+    (with_line(1, "2 3 4 2"), 8, "ends early", "depot 6", "the end of the file"),
+    (with_line(1, "2 3 0 2"), 1, "n must be a whole number", "1 or more", "'0'"),
+    (with_line(1, "2 3 2000000000 2"), 8, "", None, None),
+    (with_line(1, "2 3 3 3"), 4, "line of limits has a wrong length", "longest duration and capacity", "9 values"),
+    (with_line(1, "2 3 3 2000000000"), 1, "there are too many depots", "at most 1000", "2000000000"),
+    (with_line(2, "-1 80"), 2, "longest duration is negative", "0 (none) or more", "'-1'"),
+    (with_line(2, "0 0"), 2, "capacity must be positive", "more than 0", "'0'"),
+    (with_line(3, "0"), 3, "line of limits has a wrong length", "longest duration and capacity", "1 values"),
+    (with_line(5, "3 49 49 5 30 1 2 1 2"), 5, "number of a customer is out of order", "2", "3"),
+    (with_line(5, "2 49 49 5 30 1 3 1 2"), 5, "row of a customer has a wrong length", None, "9 values"),
+    (with_line(5, "2 49 49 5 30 1 2.5 1 2"), 5, "row of a customer has a wrong length", None, "9 values"),
+    (with_line(5, "2 49 49 5 30 1 1 2"), 5, "customers that some depots alone may serve", "f 1, list 1 2", "f 1, list 2"),
+    (with_line(5, "2 49 49 5 30 2 2 1 2"), 5, "visited more than once, are not supported", "f 1, list 1 2", "f 2, list 1 2"),
+    (with_line(5, "2 49 49 5 -30 1 2 1 2"), 5, "demand is negative", "0 or more", "-30.0"),
+    (with_line(5, "2 49 49 -5 30 1 2 1 2"), 5, "service time is negative", "0 or more", "-5.0"),
+    (with_line(5, "2 49 49 5 1e999 1 2 1 2"), 5, "customer holds something that is no finite number", "a number", "'1e999'"),
+    (with_line(8, "5 60 50 0 4 0 0"), 8, "the depot has a demand or a service time", "0", "[0. 4.]"),
+    (MDVRP + "6 60 50 0 0 0 0\n", 9, "goes on after its end", "the end of the file", "'6 60 50 0 0 0 0'"),
+    (MDVRP[: MDVRP.index(" 5 60")], 7, "ends early", "depot 5", "the end of the file"),
+    (with_line(3, "10 90").replace("310 80", "10 80"), 4, "no vehicle can reach customer 1", "at most 10", None),
 )  # fmt: skip
-def test_a_fault_is_refused_with_its_line(
-    text: str, line: int, message: str | None, expected: str | None, found: str | None, refusal: Refusal
-) -> None:
-    check_fault(refusal(text), message or "", line, expected, found)
 
 
 def test_windows_that_close_before_they_open_are_refused(refusal: Refusal) -> None:
@@ -115,20 +108,16 @@ def test_what_is_read_is_written_again(text: str, differences: Differences) -> N
     assert differences(made, read(write(made), Path("file.txt"))) == []
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (lambda i: replace(i, fleet=i.fleet[:1]), "the same number of vehicles at each depot"),
-        (lambda i: replace(i, fleet=(i.fleet[0], replace(i.fleet[1], count=2))), "the same number of vehicles at each depot"),
-        (lambda i: replace(i, fleet=(i.fleet[0], replace(i.fleet[1], capacity=math.inf))), "each vehicle needs a capacity"),
-        (lambda i: replace(i, fleet=(i.fleet[0], replace(i.fleet[1], fixed_cost=3))), "no place for fixed-cost"),
-        (lambda i: replace(i, problem="min-cost-vrp"), "several depots make it an mdvrp, not a min-cost-vrp"),
-        (lambda i: replace(i, travel=i.travel.with_convention("round")), "not Euclidean and exact"),
-        (lambda i: replace(i, sites=replace(i.sites, ids=tuple("abcde"))), "sites must be numbered in order"),
-    ],
+test_what_the_format_cannot_express_is_refused = unwritable(
+    write, MDVRP,
+    (lambda i: replace(i, fleet=i.fleet[:1]), "the same number of vehicles at each depot"),
+    (lambda i: replace(i, fleet=(i.fleet[0], replace(i.fleet[1], count=2))), "the same number of vehicles at each depot"),
+    (lambda i: replace(i, fleet=(i.fleet[0], replace(i.fleet[1], capacity=math.inf))), "each vehicle needs a capacity"),
+    (lambda i: replace(i, fleet=(i.fleet[0], replace(i.fleet[1], fixed_cost=3))), "no place for fixed-cost"),
+    (lambda i: replace(i, problem="min-cost-vrp"), "several depots make it an mdvrp, not a min-cost-vrp"),
+    (lambda i: replace(i, travel=i.travel.with_convention("round")), "not Euclidean and exact"),
+    (lambda i: replace(i, sites=replace(i.sites, ids=tuple("abcde"))), "sites must be numbered in order"),
 )  # fmt: skip
-def test_what_the_format_cannot_express_is_refused(change: Change, message: str) -> None:
-    check_unwritable(write, change(read(MDVRP, Path("file.txt"))), message)
 
 
 def test_a_file_that_may_be_another_is_settled_by_its_problem(tmp_path: Path) -> None:
@@ -144,11 +133,15 @@ def test_a_file_that_may_be_another_is_settled_by_its_problem(tmp_path: Path) ->
     check_refused(UsageError, "more than one format", read_instance, path, problem="tsp")
 
 
-@pytest.mark.parametrize(
-    "text", ["5 3 1 4\n500 200\n0 1 1 0 0 0 0 0 1000\n", "2 3 1 1\n5 2\n0 1 1 0 0 0 0\n", "8 3 1 1\n5 2\n", "2 3 1\n5 2\n", "2 3 1 1\n", ""]
+test_other_texts_are_not_recognised = strangers(
+    recognises,
+    "5 3 1 4\n500 200\n0 1 1 0 0 0 0 0 1000\n",
+    "2 3 1 1\n5 2\n0 1 1 0 0 0 0\n",
+    "8 3 1 1\n5 2\n",
+    "2 3 1\n5 2\n",
+    "2 3 1 1\n",
+    "",
 )
-def test_other_texts_are_not_recognised(text: str) -> None:
-    assert not recognises(text)
 
 
 # -- rows with a list of combinations of visits -------------------------------------------------------------------------

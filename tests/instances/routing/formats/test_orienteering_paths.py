@@ -3,7 +3,7 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from file_cases import Change, Differences, Read, Refusal, check_fault, check_unwritable, with_line_of
+from file_cases import Change, Differences, Read, Refusal, check_fault, faults, strangers, unwritable, with_line_of
 
 from waybound import Travel, VehicleType
 from waybound.instances.formats import FORMATS
@@ -56,37 +56,30 @@ def test_line_ends_marks_and_blanks_do_not_matter(change: Change, read_text_as: 
     assert read_text_as(change(TSILIGIRIDES)).sites.reward.tolist() == [0, 0, 10, 15]
 
 
-@pytest.mark.parametrize(
-    ("text", "line", "message", "expected", "found"),
-    [
-        (chao(1, "n 5"), 7, "wrong number of rows: point", "5", "4"),
-        (chao(1, "n 3"), 7, "wrong number of rows: point", "3", "4"),
-        (chao(1, "n 2000000000"), 7, "wrong number of rows: point", "2000000000", "4"),
-        (chao(1, "n 2"), 1, "number of points must be a whole number", "3 or more", "'2'"),
-        (chao(1, "N 4.5"), 1, "number of points must be a whole number", "3 or more", "'4.5'"),
-        (chao(2, "m 0"), 2, "number of paths must be a whole number", "1 or more", "'0'"),
-        (chao(2, "k 2"), 2, "m is missing", "m and its value", "'k 2'"),
-        (chao(3, "tmax -1"), 3, "tmax is negative", "0 or more", "-1"),
-        (chao(3, "tmax inf"), 3, "tmax must be a finite number", "a number", "'inf'"),
-        (chao(6, "18 15.9"), 6, "point has a wrong length", "x, y, score", "2 values"),
-        (chao(6, "18 15.9 -1"), 6, "score is negative", "0 or more", "-1.0"),
-        ("n 4\nm 2\n", 2, "ends early", "tmax and its value", "the end of the file"),
-        (tsiligirides(1, "-1 1"), 1, "Tmax is negative", "0 or more", "-1"),
-        (tsiligirides(1, "15 0"), 1, "number of paths must be a whole number", "1 or more", "'0'"),
-        (tsiligirides(1, "15 1.5"), 1, "number of paths must be a whole number", "1 or more", "'1.5'"),
-        (tsiligirides(4, "18 15.9 -10"), 4, "score is negative", "0 or more", "-10.0"),
-        (tsiligirides(4, "18 15.9"), 4, "point has a wrong length", "x, y, score", "2 values"),
-        (tsiligirides(4, "18 15.9 10 1"), 4, "point has a wrong length", "x, y, score", "4 values"),
-        (tsiligirides(4, "18 nan 10"), 4, "point holds something that is no finite number", "a number", "'nan'"),
-        (tsiligirides(4, "18 1_0 10"), 4, "point holds something that is no finite number", "a number", "'1_0'"),
-        ("15 1\n0 0 0\n1 1 0\n", 3, "ends early", "a start, an end and a point between", "2 points"),
-        (tsiligirides(4, "1e200 0 3"), None, "coordinate of site 2 is too large", "at most 1e+150", "1e+200"),
-    ],
+test_a_fault_is_refused_with_its_line = faults(
+    (chao(1, "n 5"), 7, "wrong number of rows: point", "5", "4"),
+    (chao(1, "n 3"), 7, "wrong number of rows: point", "3", "4"),
+    (chao(1, "n 2000000000"), 7, "wrong number of rows: point", "2000000000", "4"),
+    (chao(1, "n 2"), 1, "number of points must be a whole number", "3 or more", "'2'"),
+    (chao(1, "N 4.5"), 1, "number of points must be a whole number", "3 or more", "'4.5'"),
+    (chao(2, "m 0"), 2, "number of paths must be a whole number", "1 or more", "'0'"),
+    (chao(2, "k 2"), 2, "m is missing", "m and its value", "'k 2'"),
+    (chao(3, "tmax -1"), 3, "tmax is negative", "0 or more", "-1"),
+    (chao(3, "tmax inf"), 3, "tmax must be a finite number", "a number", "'inf'"),
+    (chao(6, "18 15.9"), 6, "point has a wrong length", "x, y, score", "2 values"),
+    (chao(6, "18 15.9 -1"), 6, "score is negative", "0 or more", "-1.0"),
+    ("n 4\nm 2\n", 2, "ends early", "tmax and its value", "the end of the file"),
+    (tsiligirides(1, "-1 1"), 1, "Tmax is negative", "0 or more", "-1"),
+    (tsiligirides(1, "15 0"), 1, "number of paths must be a whole number", "1 or more", "'0'"),
+    (tsiligirides(1, "15 1.5"), 1, "number of paths must be a whole number", "1 or more", "'1.5'"),
+    (tsiligirides(4, "18 15.9 -10"), 4, "score is negative", "0 or more", "-10.0"),
+    (tsiligirides(4, "18 15.9"), 4, "point has a wrong length", "x, y, score", "2 values"),
+    (tsiligirides(4, "18 15.9 10 1"), 4, "point has a wrong length", "x, y, score", "4 values"),
+    (tsiligirides(4, "18 nan 10"), 4, "point holds something that is no finite number", "a number", "'nan'"),
+    (tsiligirides(4, "18 1_0 10"), 4, "point holds something that is no finite number", "a number", "'1_0'"),
+    ("15 1\n0 0 0\n1 1 0\n", 3, "ends early", "a start, an end and a point between", "2 points"),
+    (tsiligirides(4, "1e200 0 3"), None, "coordinate of site 2 is too large", "at most 1e+150", "1e+200"),
 )  # fmt: skip
-def test_a_fault_is_refused_with_its_line(
-    text: str, line: int | None, message: str, expected: str, found: str, refusal: Refusal
-) -> None:  # fmt: skip
-    check_fault(refusal(text), message, line, expected, found)
 
 
 def test_names_of_published_files_stand_for_a_number_of_points(refusal: Refusal) -> None:
@@ -101,40 +94,32 @@ def test_what_is_read_is_written_again(text: str, name: str, read_text_as: Read,
     assert differences(made, entry.read(entry.write(made), Path("file.txt"))) == []
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (lambda i: replace(i, fleet=(replace(i.fleet[0], start=3),)), "from the first to the last"),
-        (lambda i: replace(i, fleet=(VehicleType(2, start=0, end=3),)), "a number of paths and their limit"),
-        (lambda i: replace(i, objective=("reward", "vehicles")), "no place for objective"),
-    ],
+test_what_chao_cannot_express_is_refused = unwritable(
+    write_chao,
+    CHAO,
+    (lambda i: replace(i, fleet=(replace(i.fleet[0], start=3),)), "from the first to the last"),
+    (lambda i: replace(i, fleet=(VehicleType(2, start=0, end=3),)), "a number of paths and their limit"),
+    (lambda i: replace(i, objective=("reward", "vehicles")), "no place for objective"),
 )
-def test_what_chao_cannot_express_is_refused(change: Change, message: str, read_text_as: Read) -> None:
-    check_unwritable(write_chao, change(read_text_as(CHAO)), message)
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (lambda i: replace(i, fleet=(replace(i.fleet[0], max_distance=9.0),)), "no place for max-distance"),
-        (lambda i: replace(i, fleet=(replace(i.fleet[0], count=None),)), "a number of paths and their limit"),
-        (lambda i: replace(i, fleet=(replace(i.fleet[0], end=0),)), "from the first to the second"),
-        (lambda i: replace(i, problem="min-cost-vrp", problems=("min-cost-vrp",)), "no orienteering problem but min-cost-vrp"),
-        (lambda i: replace(i, sites=replace(i.sites, required=~i.sites.depot)), "sites that must be visited"),
-        (lambda i: replace(i, travel=i.travel.with_convention("trunc1")), "euclidean trunc1, not Euclidean and exact"),
-        (lambda i: replace(i, travel=Travel("EUC_2D", i.travel.coordinates)), "EUC_2D file, not Euclidean and exact"),
-        (lambda i: replace(i, sites=replace(i.sites, ids=tuple("abcd"))), "numbered 0, 1, 2"),
-    ],
+test_what_tsiligirides_cannot_express_is_refused = unwritable(
+    write_tsiligirides,
+    TSILIGIRIDES,
+    (lambda i: replace(i, fleet=(replace(i.fleet[0], max_distance=9.0),)), "no place for max-distance"),
+    (lambda i: replace(i, fleet=(replace(i.fleet[0], count=None),)), "a number of paths and their limit"),
+    (lambda i: replace(i, fleet=(replace(i.fleet[0], end=0),)), "from the first to the second"),
+    (lambda i: replace(i, problem="min-cost-vrp", problems=("min-cost-vrp",)), "no orienteering problem but min-cost-vrp"),
+    (lambda i: replace(i, sites=replace(i.sites, required=~i.sites.depot)), "sites that must be visited"),
+    (lambda i: replace(i, travel=i.travel.with_convention("trunc1")), "euclidean trunc1, not Euclidean and exact"),
+    (lambda i: replace(i, travel=Travel("EUC_2D", i.travel.coordinates)), "EUC_2D file, not Euclidean and exact"),
+    (lambda i: replace(i, sites=replace(i.sites, ids=tuple("abcd"))), "numbered 0, 1, 2"),
 )
-def test_what_tsiligirides_cannot_express_is_refused(change: Change, message: str, read_text_as: Read) -> None:
-    check_unwritable(write_tsiligirides, change(read_text_as(TSILIGIRIDES)), message)
 
 
-@pytest.mark.parametrize("text", ["n 4\n", "a 4\nb 3\ntmax 5\n", "4 2\n0 0 0\n", ""])
-def test_other_texts_are_not_recognised_as_chao(text: str) -> None:
-    assert not recognises_chao(text)
+test_other_texts_are_not_recognised_as_chao = strangers(recognises_chao, "n 4\n", "a 4\nb 3\ntmax 5\n", "4 2\n0 0 0\n", "")
 
 
-@pytest.mark.parametrize("text", ["15 1\n1 2\n", "15 1 2\n1 2 3\n", "x y\n1 2 3\n", "15 1\n", "", "id,x,y\n1,2,3\n"])
-def test_other_texts_are_not_recognised_as_tsiligirides(text: str) -> None:
-    assert not recognises_tsiligirides(text)
+test_other_texts_are_not_recognised_as_tsiligirides = strangers(
+    recognises_tsiligirides, "15 1\n1 2\n", "15 1 2\n1 2 3\n", "x y\n1 2 3\n", "15 1\n", "", "id,x,y\n1,2,3\n"
+)

@@ -8,7 +8,7 @@ import numpy as np
 import pandas as pd
 import pytest
 from coded import coded
-from file_cases import Change, Differences, Read, Refusal, check_unwritable
+from file_cases import Differences, Read, Refusal, unwritable
 
 import waybound as wb
 from waybound import InputError, Travel, UsageError
@@ -295,19 +295,16 @@ def test_generated_instances_read_back_the_same(kind: str, settings: dict[str, A
     assert differences(made, replace(written(made), problems=made.problems)) == []
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (lambda i: replace(i, fleet=(VehicleType(2, 10.0, name="van"),)), "vehicles that differ"),
-        (lambda i: replace(i, travel=Travel("EXPLICIT", matrix=i.travel.distances)), "do not follow from its coordinates"),
-        (lambda i: replace(i, objective=("vehicles",)), "no place for objective"),
-        (lambda i: replace(i, travel=replace(i.travel, variances=np.ones((3, 3)))), "no place for uncertain-durations"),
-        (lambda i: replace(i, team_risk=0.1), "no place for team-risk"),
-        (lambda i: replace(i, clock=Clock("min", "2026-05-04T00:00:00")), "its times are those of a calendar"),
-        (lambda i: replace(i, sites=replace(i.sites, geographic=True)), "its distances are euclidean, and its coordinates angles"),
-        (lambda i: replace(i, sites=replace(i.sites, attributes={"Demand": (1, 2, 3)})), "called as one that counts"),
-        (lambda i: replace(i, sites=replace(i.sites, pickup=np.array([0.0, 1.0, 0.0]))), "no place for pickups"),
-    ],
+test_what_the_format_cannot_express_is_refused = unwritable(
+    write,
+    GOOD,
+    (lambda i: replace(i, fleet=(VehicleType(2, 10.0, name="van"),)), "vehicles that differ"),
+    (lambda i: replace(i, travel=Travel("EXPLICIT", matrix=i.travel.distances)), "do not follow from its coordinates"),
+    (lambda i: replace(i, objective=("vehicles",)), "no place for objective"),
+    (lambda i: replace(i, travel=replace(i.travel, variances=np.ones((3, 3)))), "no place for uncertain-durations"),
+    (lambda i: replace(i, team_risk=0.1), "no place for team-risk"),
+    (lambda i: replace(i, clock=Clock("min", "2026-05-04T00:00:00")), "its times are those of a calendar"),
+    (lambda i: replace(i, sites=replace(i.sites, geographic=True)), "its distances are euclidean, and its coordinates angles"),
+    (lambda i: replace(i, sites=replace(i.sites, attributes={"Demand": (1, 2, 3)})), "called as one that counts"),
+    (lambda i: replace(i, sites=replace(i.sites, pickup=np.array([0.0, 1.0, 0.0]))), "no place for pickups"),
 )
-def test_what_the_format_cannot_express_is_refused(change: Change, message: str, read_text_as: Read) -> None:
-    check_unwritable(write, change(read_text_as(GOOD)), message)

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from file_cases import Change, Differences, Read, Refusal, check_fault, check_unwritable, with_line_of
+from file_cases import Differences, Read, Refusal, check_fault, unwritable, with_line_of
 
 from waybound.instances.generating import generate
 from waybound.instances.routing.formats.solomon import read, recognises, write
@@ -106,15 +106,10 @@ def test_a_last_row_cut_inside_a_number_is_refused(refusal: Refusal, read_text_a
 @pytest.mark.parametrize(
     ("name", "customers", "good"),
     [
-        ("C101", 100, True),
-        ("rc208", 25, True),
-        ("R201", 50, True),
-        ("C101", 99, False),
-        ("R1_2_1", 100, False),
-        ("demo", 7, True),
+        ("C101", 100, True), ("rc208", 25, True), ("R201", 50, True), ("C101", 99, False), ("R1_2_1", 100, False), ("demo", 7, True),
         ("C101.7", 7, True),
     ],
-)
+)  # fmt: skip
 def test_a_published_name_stands_for_a_number_of_customers(
     name: str, customers: int, good: bool, refusal: Refusal, read_text_as: Read
 ) -> None:
@@ -149,16 +144,13 @@ def test_numbers_wider_than_a_column_stay_apart(read_text_as: Read, differences:
     assert differences(made, read(write(made), Path("x.txt"))) == []
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (lambda i: replace(i, fleet=(VehicleType(None, 50.0),)), "needs a number of vehicles"),
-        (lambda i: replace(i, fleet=(VehicleType(3, 50.0, max_duration=9.0),)), "no place for max-duration"),
-        (lambda i: replace(i, fleet=(VehicleType(3, 50.0, name="a"), VehicleType(3, 60.0, name="b"))), "no place for heterogeneous-fleet"),
-        (lambda i: replace(i, travel=i.travel.with_convention("trunc1")), "its convention is trunc1"),
-        (lambda i: replace(i, min_vehicles=2), "min-vehicles"),
-        (lambda i: replace(i, name="VEHICLE"), "cannot be the name"),
-    ],
+test_what_the_format_cannot_express_is_refused = unwritable(
+    write,
+    GOOD,
+    (lambda i: replace(i, fleet=(VehicleType(None, 50.0),)), "needs a number of vehicles"),
+    (lambda i: replace(i, fleet=(VehicleType(3, 50.0, max_duration=9.0),)), "no place for max-duration"),
+    (lambda i: replace(i, fleet=(VehicleType(3, 50.0, name="a"), VehicleType(3, 60.0, name="b"))), "no place for heterogeneous-fleet"),
+    (lambda i: replace(i, travel=i.travel.with_convention("trunc1")), "its convention is trunc1"),
+    (lambda i: replace(i, min_vehicles=2), "min-vehicles"),
+    (lambda i: replace(i, name="VEHICLE"), "cannot be the name"),
 )
-def test_what_the_format_cannot_express_is_refused(change: Change, message: str, read_text_as: Read) -> None:
-    check_unwritable(write, change(read_text_as(GOOD)), message)

@@ -3,8 +3,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import pytest
-from file_cases import Change, Differences, Read, Refusal, check_fault, check_unwritable, with_line_of
+from file_cases import Differences, Read, faults, strangers, unwritable, with_line_of
 from file_texts import TOPTW as GOOD
 
 from waybound.formulations.problem import problem_from_instance
@@ -17,11 +16,8 @@ with_line = partial(with_line_of, GOOD)
 def test_the_depot_limits_tours_whose_number_is_left_open(read_text_as: Read) -> None:
     made = read_text_as(GOOD, "pr99.txt")
     assert (made.name, made.format, made.problem, made.problems) == (
-        "pr99",
-        "toptw",
-        "team-orienteering",
-        ("team-orienteering", "orienteering"),
-    )
+        "pr99", "toptw", "team-orienteering", ("team-orienteering", "orienteering"),
+    )  # fmt: skip
     assert made.fleet == (VehicleType(1),)
     assert (made.sites.ids, made.sites.depots.tolist()) == (("0", "1", "2"), [0])
     assert made.sites.reward.tolist() == [0, 12, 8]
@@ -40,26 +36,19 @@ def test_files_made_of_solomons_are_rounded_to_one_decimal_by_custom(read_text_a
     assert read_text_as(GOOD, "c101.txt").notes[1] == "published values are for distances rounded down to one decimal: --convention trunc1"
 
 
-@pytest.mark.parametrize(
-    ("text", "line", "message", "expected", "found"),
-    [
-        (with_line(1, "5 3 3 4"), 5, "ends early", "point 3", "the end of the file"),
-        (with_line(1, "5 3 1 4"), 5, "goes on after its end", "the end of the file", None),
-        (with_line(1, "5 3 2000000000 4"), 5, "ends early", "point 3", "the end of the file"),
-        (with_line(1, "5 3 0 4"), 1, "number of points must be a whole number", "1 or more", "'0'"),
-        (with_line(3, "0 -10 19 0 5 0 0 0 1000"), 3, "the depot has a profit or a service time", "0", "[0. 5.]"),
-        (with_line(4, "1 -29.730 64.136 2 -12 4 1 15 354 509"), 4, "profit is negative", "0 or more", "-12.0"),
-        (with_line(4, "1 -29.730 64.136 -2 12 4 1 15 354 509"), 4, "service time is negative", "0 or more", "-2.0"),
-        (with_line(4, "1 -29.730 64.136 2 12 4 1 15 554 509"), 4, "window closes before it opens", "ready time <= due date", "[554. 509.]"),
-        (with_line(4, "1 -29.730 64.136 2 12 4 1 15 354"), 4, "row of a point has a wrong length", None, "9 values"),
-        (with_line(4, "2 -29.730 64.136 2 12 4 1 15 354 509"), 4, "number of a point is out of order", "1", "2"),
-        (with_line(4, "1 x 64.136 2 12 4 1 15 354 509"), 4, "point holds something that is no finite number", "a number", "'x'"),
-    ],
+test_a_fault_is_refused_with_its_line = faults(
+    (with_line(1, "5 3 3 4"), 5, "ends early", "point 3", "the end of the file"),
+    (with_line(1, "5 3 1 4"), 5, "goes on after its end", "the end of the file", None),
+    (with_line(1, "5 3 2000000000 4"), 5, "ends early", "point 3", "the end of the file"),
+    (with_line(1, "5 3 0 4"), 1, "number of points must be a whole number", "1 or more", "'0'"),
+    (with_line(3, "0 -10 19 0 5 0 0 0 1000"), 3, "the depot has a profit or a service time", "0", "[0. 5.]"),
+    (with_line(4, "1 -29.730 64.136 2 -12 4 1 15 354 509"), 4, "profit is negative", "0 or more", "-12.0"),
+    (with_line(4, "1 -29.730 64.136 -2 12 4 1 15 354 509"), 4, "service time is negative", "0 or more", "-2.0"),
+    (with_line(4, "1 -29.730 64.136 2 12 4 1 15 554 509"), 4, "window closes before it opens", "ready time <= due date", "[554. 509.]"),
+    (with_line(4, "1 -29.730 64.136 2 12 4 1 15 354"), 4, "row of a point has a wrong length", None, "9 values"),
+    (with_line(4, "2 -29.730 64.136 2 12 4 1 15 354 509"), 4, "number of a point is out of order", "1", "2"),
+    (with_line(4, "1 x 64.136 2 12 4 1 15 354 509"), 4, "point holds something that is no finite number", "a number", "'x'"),
 )  # fmt: skip
-def test_a_fault_is_refused_with_its_line(
-    text: str, line: int, message: str, expected: str | None, found: str | None, refusal: Refusal
-) -> None:
-    check_fault(refusal(text), message, line, expected, found)
 
 
 def test_what_is_read_is_written_again(differences: Differences) -> None:
@@ -67,20 +56,17 @@ def test_what_is_read_is_written_again(differences: Differences) -> None:
     assert differences(made, read(write(made), Path("pr99.txt"))) == []
 
 
-@pytest.mark.parametrize(
-    ("change", "message"),
-    [
-        (lambda i: replace(i, fleet=(VehicleType(2),)), "does not say how many tours there are"),
-        (lambda i: replace(i, fleet=(VehicleType(1, max_duration=4),)), "no place for max-duration"),
-        (lambda i: replace(i, problem="vrptw", problems=("vrptw",)), "is no orienteering problem"),
-        (lambda i: replace(i, sites=replace(i.sites, ids=tuple("abc"))), "numbered 0, 1, 2"),
-        (lambda i: replace(i, travel=i.travel.with_convention("trunc1")), "not Euclidean and exact"),
-    ],
+test_what_the_format_cannot_express_is_refused = unwritable(
+    write,
+    GOOD,
+    (lambda i: replace(i, fleet=(VehicleType(2),)), "does not say how many tours there are"),
+    (lambda i: replace(i, fleet=(VehicleType(1, max_duration=4),)), "no place for max-duration"),
+    (lambda i: replace(i, problem="vrptw", problems=("vrptw",)), "is no orienteering problem"),
+    (lambda i: replace(i, sites=replace(i.sites, ids=tuple("abc"))), "numbered 0, 1, 2"),
+    (lambda i: replace(i, travel=i.travel.with_convention("trunc1")), "not Euclidean and exact"),
 )
-def test_what_the_format_cannot_express_is_refused(change: Change, message: str) -> None:
-    check_unwritable(write, change(read(GOOD, Path("pr99.txt"))), message)
 
 
-@pytest.mark.parametrize("text", ["5 3 2 4\n500 200\n1 1 1 0 0 0 0 0 9\n", "5 3 2 4\n500 200\n0 1 1 0 0 0 0\n", "5 3 2 4\n500\n", ""])
-def test_other_texts_are_not_recognised(text: str) -> None:
-    assert not recognises(text)
+test_other_texts_are_not_recognised = strangers(
+    recognises, "5 3 2 4\n500 200\n1 1 1 0 0 0 0 0 9\n", "5 3 2 4\n500 200\n0 1 1 0 0 0 0\n", "5 3 2 4\n500\n", ""
+)

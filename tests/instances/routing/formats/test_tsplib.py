@@ -110,14 +110,10 @@ def test_a_list_ends_with_its_section_too_unless_the_file_may_have_been_cut_off(
 @pytest.mark.parametrize(
     ("rows", "line", "words"),
     [
-        ([], 1, "ends early"),
-        (["1 -1", "2"], 3, "goes on after its end"),
-        (["4 -1"], 2, "does not exist; expected 1 to 3; found 4"),
-        (["2", "2 -1"], 3, "names node 2 twice"),
-        (["1.5 -1"], 2, "node in DEPOT_SECTION"),
-        (["0 -1"], 2, "node in DEPOT_SECTION"),
+        ([], 1, "ends early"), (["1 -1", "2"], 3, "goes on after its end"), (["4 -1"], 2, "does not exist; expected 1 to 3; found 4"),
+        (["2", "2 -1"], 3, "names node 2 twice"), (["1.5 -1"], 2, "node in DEPOT_SECTION"), (["0 -1"], 2, "node in DEPOT_SECTION"),
     ],
-)
+)  # fmt: skip
 def test_a_fault_in_a_list_is_refused_with_its_line(rows: list[str], line: int, words: str) -> None:
     found, message = fault(node_list, section("DEPOT_SECTION", *rows), "DEPOT_SECTION", 3)
     assert found == line and words in message

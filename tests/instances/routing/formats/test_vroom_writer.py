@@ -4,9 +4,9 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from file_cases import check_unwritable
+from file_cases import check_refused
 
-from waybound import Energy, RoutingInstance, Shipment, Sites, VehicleType
+from waybound import Energy, RoutingInstance, Shipment, Sites, UsageError, VehicleType
 from waybound.instances.routing.formats._vroom_writer import write
 from waybound.instances.routing.travel import EXPLICIT, Travel
 
@@ -41,7 +41,7 @@ def tiny(
     ],
 )  # fmt: skip
 def test_what_the_format_cannot_express_is_refused(made: Callable[[], Any], message: str) -> None:
-    check_unwritable(write, made(), message)
+    check_refused(UsageError, message, write, made())
 
 
 def test_tasks_without_numbers_are_numbered_by_their_place() -> None:

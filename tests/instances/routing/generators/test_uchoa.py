@@ -62,8 +62,7 @@ def test_demands_by_quadrant_are_large_in_the_odd_ones() -> None:
 def test_many_demands_are_small_and_few_are_large() -> None:
     for seed in range(5):
         demand = made(seed, customers=400, positions="R", demand="SL").sites.demand[1:]
-        small = (demand <= 10).mean()
-        assert 0.70 <= small <= 0.95
+        assert 0.70 <= (demand <= 10).mean() <= 0.95
         assert demand[demand > 10].min() >= 50
 
 

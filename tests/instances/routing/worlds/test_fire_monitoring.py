@@ -129,13 +129,10 @@ def test_rules_that_find_no_hotspots_are_refused(rule):
 @pytest.mark.parametrize(
     ("actions", "says"),
     [
-        ({1: (0, 0)}, "no such aircraft"),
-        ({0: (5, 5)}, "too far"),
-        ({0: (-1, 0)}, "off the map"),
-        ({0: 3.0}, "off the map"),
+        ({1: (0, 0)}, "no such aircraft"), ({0: (5, 5)}, "too far"), ({0: (-1, 0)}, "off the map"), ({0: 3.0}, "off the map"),
         ({0: "there"}, "off the map"),
     ],
-)
+)  # fmt: skip
 def test_steps_that_are_refused_change_nothing(actions, says):
     world = FireWorld(Fire(TEN, np.ones((10, 10))), (0, 0), begin=50, rules=HotspotRules())
     before = world.metrics()

@@ -35,8 +35,7 @@ def test_rows_are_edges_or_declare_what_has_none(read_text_as: Read) -> None:
 
 @pytest.mark.parametrize("delimiter", [",", ";", "\t", "|"])
 def test_columns_may_stand_in_any_order_and_be_parted_by_any_delimiter(read_text_as: Read, delimiter: str) -> None:
-    text = "Target,ACTION,robot\n7,12,3\n\n7,4,1\n".replace(",", delimiter)
-    g = read_text_as(text, "pairs.csv")
+    g = read_text_as("Target,ACTION,robot\n7,12,3\n\n7,4,1\n".replace(",", delimiter), "pairs.csv")
     assert (g.name, g.robot_names, g.action_names, g.target_names) == ("pairs", ("1", "3"), ("4", "12"), ("7",))
     assert g.weights.tolist() == [1.0, 1.0]
 

@@ -2,6 +2,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from scipy.optimize import linprog
 
 from waybound.instances.generating import generate
 
@@ -11,7 +12,6 @@ FAMILIES = ("sensing-regular", "sensing-ring", "sensing-geometric")
 def lp_value(g: Any) -> float:
     """Optimum of the max-min LP, written down here alone."""
     import scipy.sparse as sp
-    from scipy.optimize import linprog
 
     seen = sp.coo_matrix((g.weights, (g.indices, g.action_of_edge)), shape=(g.num_targets, g.num_actions))
     own = sp.coo_matrix((np.ones(g.num_actions), (g.robot_of_action, np.arange(g.num_actions))), shape=(g.num_robots, g.num_actions))

@@ -12,15 +12,9 @@ from waybound.instances.sata.worlds.tracking import SCENARIOS, TrackingRules, Tr
 from waybound.instances.worlds import make_world
 
 RULES = {
-    "robots": 2,
-    "targets": 3,
-    "width": 100.0,
-    "height": 60.0,
-    "robot_step": 4.0,
-    "target_step": 2.0,
-    "sensing": 10.0,
+    "robots": 2, "targets": 3, "width": 100.0, "height": 60.0, "robot_step": 4.0, "target_step": 2.0, "sensing": 10.0,
     "communication": 20.0,
-}
+}  # fmt: skip
 
 
 def world(seed=1, *, robots=None, targets=None, **changes):
@@ -80,8 +74,7 @@ def test_targets_go_straight_between_turns_and_all_turn_at_the_stated_steps():
 
 def test_a_target_in_a_corner_turns_inside():
     for seed in range(20):
-        made = world(seed, targets=[[0.0, 0.0], [100.0, 60.0], [100.0, 0.0]])
-        after = way(made, 1)[-1]
+        after = way(world(seed, targets=[[0.0, 0.0], [100.0, 60.0], [100.0, 0.0]]), 1)[-1]
         assert ((after >= 0) & (after <= [100, 60])).all()
 
 
@@ -179,8 +172,7 @@ def test_settings_that_are_none_are_refused_by_name(key, value):
 
 
 def test_scenarios_hold_the_numbers_of_the_source_and_settings_override_them():
-    made = make_world("tracking", 1, targets=30)
-    r = made.rules
+    r = make_world("tracking", 1, targets=30).rules
     assert (r.robots, r.targets, r.width, r.height, r.robot_step, r.target_step) == (10, 30, 200, 200, 10, 5)
     assert (r.turn_every, r.sensing, r.communication) == (25, 40, 80)
     r = make_world("tracking", 1, scenario="gazebo-greedy").rules

@@ -1,9 +1,9 @@
 import pytest
+from file_cases import check_refused
 
 import waybound as wb
 from waybound.instances.arrays.worlds.fleet_energy import NEVER
 from waybound.instances.errors import InputError, UsageError
-from waybound.reports.missions.animation import Film
 from waybound.reports.missions.arrays.fleet_energy import FleetEnergy
 
 SURE = {"scatter": 0, "jobs": 0}
@@ -13,8 +13,7 @@ def played(how=None, **settings):
     mission = FleetEnergy()
     supported = []
     watch = lambda world, row: supported.append(sum(world.jobs[k].end == NEVER for k in mission.taken))  # noqa: E731
-    log = wb.run(mission, watch=watch, **(how or {"policy": "one-by-one"}), **settings)
-    return log, supported, mission
+    return wb.run(mission, watch=watch, **(how or {"policy": "one-by-one"}), **settings), supported, mission
 
 
 def test_jobs_for_ever_are_as_many_as_the_fleet_sustains():
@@ -51,21 +50,11 @@ def test_any_solver_of_integer_programs_plans(solver):
     assert {"flight", "charge", "for_ever", "planned_alone"} <= set(log.columns)
 
 
-@pytest.mark.parametrize("how", [{"policy": "one-by-one"}, {"solver": "highs"}])
-def test_the_same_seed_gives_the_same_log(how):
-    one, two = (wb.run("fleet-energy", seed=5, steps=80, **how).drop(columns="seconds") for _ in range(2))
-    assert one.equals(two)
-
-
 def test_a_fleet_that_reaches_nothing_is_refused_before_the_first_step():
-    with pytest.raises(InputError, match="no robot reaches"):
-        wb.run("fleet-energy", policy="one-by-one", speed=0.001)
-    with pytest.raises(UsageError, match="the flight time is 2 steps"):
-        wb.run("fleet-energy", policy="one-by-one", believed_flight=20)
+    check_refused(InputError, "no robot reaches", wb.run, "fleet-energy", policy="one-by-one", speed=0.001)
+    check_refused(UsageError, "the flight time is 2 steps", wb.run, "fleet-energy", policy="one-by-one", believed_flight=20)
 
 
-def test_it_can_be_filmed():
-    mission = FleetEnergy()
-    film = Film(mission)
-    wb.run(mission, policy="one-by-one", seed=1, steps=12, watch=film)
+def test_it_can_be_filmed(filmed):
+    film = filmed("fleet-energy", policy="one-by-one", seed=1, steps=12)
     assert len(film.pictures(3)) == 3 and film.shots[-1][0].marked.any() and not film.shots[0][0].marked.any()

@@ -3,7 +3,6 @@ import pytest
 
 import waybound as wb
 from waybound.heuristics.auctions._exploration import steps_to_contact
-from waybound.reports.missions.animation import Film
 from waybound.reports.missions.auctions.explore_map_search import ExploreMapSearch, most_gain
 
 NAME = "explore-map-search"
@@ -108,13 +107,5 @@ def test_where_only_visits_count_the_whole_plan_is_the_optimum_and_the_bound():
     assert wb.run(NAME, seed=2, solver="highs", horizon=3, **settings)["utility"].iloc[-1] == pytest.approx(bound)
 
 
-def test_the_same_seed_gives_the_same_log():
-    logs = [wb.run(NAME, policy="relays", seed=5, robots=3, steps=30).drop(columns="seconds") for _ in range(2)]
-    assert logs[0].equals(logs[1])
-
-
-def test_it_can_be_filmed(tmp_path):
-    film = Film(ExploreMapSearch())
-    wb.run(film.mission, policy="relays", steps=4, seed=5, watch=film)
-    film.save_frame(4, tmp_path / "rooms.png")
-    assert (tmp_path / "rooms.png").stat().st_size > 1000
+def test_it_can_be_filmed(filmed):
+    assert len(filmed(NAME, policy="relays", steps=4, seed=5).shots) == 5

@@ -5,7 +5,6 @@ import waybound as wb
 from waybound import BinAssignment, OrchardDay, UsageError
 from waybound.instances.auctions.orchard_grid import OrchardGrid
 from waybound.instances.auctions.orchard_rules import OrchardRules
-from waybound.reports.missions.animation import Film
 from waybound.reports.missions.auctions.orchard import Orchard
 from waybound.reports.missions.auctions.orchard_days.days import play_day
 from waybound.reports.missions.auctions.orchard_days.policies import CHOICES
@@ -87,13 +86,9 @@ def test_nothing_is_asked_where_nobody_is_idle_or_no_bin_stands():
     assert mission.problem(world.observe()) is None
 
 
-def test_it_can_be_filmed(tmp_path):
-    mission = Orchard()
-    film = Film(mission)
-    wb.run(mission, policy="auction", steps=80, seed=5, watch=film, **SMALL)
-    film.save_frame(15, tmp_path / "day.png")
-    assert (tmp_path / "day.png").stat().st_size > 1000
-    last, middle = film.shots[-1][0], film.shots[15][0]
+def test_it_can_be_filmed(filmed):
+    shots = filmed("orchard", policy="auction", steps=80, seed=5, **SMALL).shots
+    last, middle = shots[-1][0], shots[15][0]
     assert last.marked.all()
     assert (last.points[:, 0] < 0).all()  # beside the repository
     standing = np.isfinite(middle.points[:, 0]) & ~middle.marked

@@ -1,11 +1,11 @@
 import numpy as np
 import pytest
+from file_cases import check_refused
 from uncertain_graphs import WORKED, graph_of
 
 import waybound as wb
 from waybound.instances.errors import UsageError
 from waybound.instances.writing import write_instance
-from waybound.reports.missions.animation import Film
 from waybound.reports.missions.risk.uncertain_graph import POLICIES, UncertainGraphMission
 
 SMALL = {"vertices": 25, "graph": 2, "steps": 14}
@@ -58,18 +58,13 @@ def test_where_nothing_is_observed_rags_walks_one_path_whatever_comes():
 
 
 def test_unknown_settings_and_risks_are_refused():
-    with pytest.raises(UsageError, match="risk must lie between 0 and 0"):
-        wb.run("uncertain-graph", policy="rags", risk=0.7)
-    with pytest.raises(UsageError, match="has no setting 'wind'"):
-        wb.run("uncertain-graph", policy="rags", wind=1)
+    check_refused(UsageError, "risk must lie between 0 and 0", wb.run, "uncertain-graph", policy="rags", risk=0.7)
+    check_refused(UsageError, "has no setting 'wind'", wb.run, "uncertain-graph", policy="rags", wind=1)
 
 
-def test_it_can_be_filmed(tmp_path):
-    mission = UncertainGraphMission()
-    film = Film(mission)
-    wb.run(mission, policy="rags", steps=3, seed=1, vertices=15, watch=film)
+def test_it_can_be_filmed(filmed, tmp_path):
+    film = filmed("uncertain-graph", policy="rags", steps=3, seed=1, vertices=15)
     film.save(tmp_path / "film.gif")
-    assert (tmp_path / "film.gif").stat().st_size > 1000
-    scene = mission.scene(mission.world(1, vertices=15))
+    scene = film.mission.scene(film.mission.world(1, vertices=15))
     assert scene.marked.sum() == 1
     assert np.isfinite(scene.area).all()

@@ -8,7 +8,6 @@ import waybound as wb
 from waybound.instances.errors import UsageError
 from waybound.instances.routing.aerial_pictures import Arms
 from waybound.instances.worlds import make_world
-from waybound.reports.missions.animation import Film
 from waybound.reports.missions.routing.hotspot_identification import (
     HotspotIdentification,
     block_start,
@@ -163,9 +162,6 @@ def test_settings_out_of_range_are_refused():
             wb.run("hotspot-identification", policy="block-ucl", **settings)
 
 
-def test_it_can_be_filmed():
-    mission = HotspotIdentification()
-    film = Film(mission)
-    wb.run(mission, policy="future-variance-window", seed=1, watch=film, **SMALL)
-    assert all(picture.startswith(b"\x89PNG") for picture in film.pictures(2))
-    assert film.shots[-1][0].marked.sum() > film.shots[1][0].marked.sum() > film.shots[0][0].marked.sum() == 0
+def test_it_can_be_filmed(filmed):
+    shots = filmed("hotspot-identification", policy="future-variance-window", seed=1, **SMALL).shots
+    assert shots[-1][0].marked.sum() > shots[1][0].marked.sum() > shots[0][0].marked.sum() == 0

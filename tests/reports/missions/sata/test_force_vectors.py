@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from coded import coded
@@ -82,8 +84,6 @@ def test_a_target_is_where_those_who_see_it_measure_it_on_average():
     o = observed([[50.0, 50.0], [58.0, 50.0]], [[54.0, 53.0]])
     shifted = o.measured.copy()
     shifted[0, 0], shifted[1, 0] = [54.0, 53.0], [56.0, 53.0]
-    from dataclasses import replace
-
     seen = forces(replace(o, measured=shifted))
     way = np.array([5.0, 3.0]) / np.sqrt(34.0)
     assert seen[0] == pytest.approx(0.5 * way)

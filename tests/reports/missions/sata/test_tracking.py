@@ -159,8 +159,7 @@ def test_idle_robots_take_any_primitive_at_random():
 def test_a_part_of_the_robots_moves_by_its_own_numbers():
     mission, world = begun([[10.0, 10.0], [50.0, 50.0]], [[52.0, 50.0]])
     (team,) = [t for t in mission.teams(world.observe()) if t.ids.tolist() == [1]]
-    to = mission.actions(team, mission.problem(team), Selection.of([4]))
-    assert set(to) == {1}
+    assert set(mission.actions(team, mission.problem(team), Selection.of([4]))) == {1}
 
 
 def test_shares_are_rounded_to_the_largest_the_last_of_equals_and_no_share_is_no_action():
@@ -174,8 +173,7 @@ def test_measures_put_what_was_predicted_beside_what_came_true():
     mission, world = begun([[50.0, 50.0], [50.0, 60.0]], [[50.0, 55.0], [59.5, 50.0]], primitives=1, weights="inverse-distance")
     (team,) = mission.teams(world.observe())
     problem = mission.problem(team)
-    answer = Selection.of([0, 1])
-    solution = type("Answered", (), {"answer": answer})()
+    solution = type("Answered", (), {"answer": Selection.of([0, 1])})()
     world.robots = np.array([[50.0, 50.0], [50.0, 57.0]])
     world.targets = np.array([[50.0, 55.0], [62.0, 50.0]])
     world._observation = world._look()

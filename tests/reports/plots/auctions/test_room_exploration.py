@@ -20,8 +20,7 @@ def corridor() -> RoomExploration:
 
 def test_each_robot_has_a_line_through_the_rooms_of_its_steps() -> None:
     problem = corridor()
-    answer = problem.answer_at_hand()
-    ax = plot_room_exploration(problem, answer)
+    ax = plot_room_exploration(problem, problem.answer_at_hand())
     lines = ax.get_lines()
     assert len(lines) == problem.instance.num_robots and all(len(line.get_xdata()) == problem.instance.steps + 1 for line in lines)
     at = places(problem)

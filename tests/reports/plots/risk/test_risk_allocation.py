@@ -11,8 +11,7 @@ from waybound.reports.plots.risk.risk_allocation import plot_risk_allocation
 
 
 def test_a_trajectory_has_an_ellipse_a_step_and_its_limits() -> None:
-    p = wb.generate("risk-allocation", family="corridor", steps=3)
-    ax = plot_risk_allocation(p, np.zeros(6))
+    ax = plot_risk_allocation(wb.generate("risk-allocation", family="corridor", steps=3), np.zeros(6))
     ellipses = [patch for patch in ax.patches if isinstance(patch, Ellipse)]
     assert len(ellipses) == 3
     assert ellipses[0].height == pytest.approx(2 * 2.4477 * 0.01, rel=1e-4)
@@ -21,8 +20,7 @@ def test_a_trajectory_has_an_ellipse_a_step_and_its_limits() -> None:
 
 
 def test_heights_are_drawn_over_time() -> None:
-    p = wb.generate("risk-allocation", steps=3)
-    ax = plot_risk_allocation(p, np.zeros(3))
+    ax = plot_risk_allocation(wb.generate("risk-allocation", steps=3), np.zeros(3))
     assert ax.get_ylabel() == "altitude" and len(ax.lines) == 1 + 3
     assert ax.lines[0].get_ydata() == pytest.approx([12.0, 12.0, 12.0])
 

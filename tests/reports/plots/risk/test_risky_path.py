@@ -19,7 +19,6 @@ def test_a_map_shows_the_path_coloured_by_the_risk_until_then():
 
 
 def test_states_without_places_are_bars_of_their_risks():
-    problem = cases.of_table(cases.GREEN)
-    ax = draw(problem, tuple(range(8)))
+    ax = draw(cases.of_table(cases.GREEN), tuple(range(8)))
     assert len(ax.patches) == 6 * 8
     assert np.allclose(ax.lines[0].get_ydata()[-1], 0.5752245813)

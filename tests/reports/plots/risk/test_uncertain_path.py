@@ -14,8 +14,7 @@ def segments(ax):
 
 
 def test_the_path_stands_out_from_the_other_non_dominated_ones():
-    solution = wb.solve(wb.UncertainPath(graph_of(WORKED)))
-    ax = solution.plot()
+    ax = wb.solve(wb.UncertainPath(graph_of(WORKED))).plot()
     widths = [line.get_linewidth() for line in ax.lines]
     assert (len(widths), widths.index(max(widths))) == (6, 5)
     assert segments(ax) == 10

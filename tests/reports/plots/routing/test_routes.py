@@ -97,8 +97,7 @@ def test_one_site_can_be_placed():
 def test_a_problem_without_coordinates_is_placed_and_says_so():
     matrix = np.abs(np.arange(5)[:, None] - np.arange(5)[None, :]).astype(float)
     problem = wb.RoutingProblem(wb.Sites.of(range(5)), wb.Travel("EXPLICIT", matrix=matrix), (wb.VehicleType(),), name="line")
-    ax = plot_routes(problem, wb.Routes.of([[1, 2, 3, 4]]))
-    assert "no coordinates" in caption(ax)
+    assert "no coordinates" in caption(plot_routes(problem, wb.Routes.of([[1, 2, 3, 4]])))
 
 
 def test_names_out_of_files_are_no_formulas(tmp_path):

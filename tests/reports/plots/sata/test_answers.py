@@ -34,8 +34,7 @@ def lines(ax):
 
 
 def test_a_small_graph_is_drawn_in_two_columns_with_all_names():
-    problem = wb.read("figure-3-3")
-    ax = plot_max_min(problem, Selection.of([0, 2, 5]))
+    ax = plot_max_min(wb.read("figure-3-3"), Selection.of([0, 2, 5]))
     named = texts(ax)
     assert all(name in named for name in ("r1", "r2", "r3", "p1", "p6"))
     assert [t for t in named if t.startswith("t")] == ["t1  2", "t2  1", "t3  1"]
@@ -96,8 +95,7 @@ def test_the_chart_draws_the_bound_beside_the_worst():
 
 @pytest.mark.parametrize(("sense", "rows", "level"), [("max", [0.5, 0.75], 0.5), ("min", [0.75, 0.5], 0.75)])
 def test_a_max_min_program_becomes_a_chart_of_its_rows(sense, rows, level):
-    problem = wb.MaxMinLP([[1, 1], [0, 2]], [[1, 0], [0, 3]], sense=sense)
-    ax = plot_max_min(problem, [0.5, 0.25])
+    ax = plot_max_min(wb.MaxMinLP([[1, 1], [0, 2]], [[1, 0], [0, 3]], sense=sense), [0.5, 0.25])
     assert bars(ax) == pytest.approx(sorted(rows))
     assert ax.lines[0].get_ydata()[0] == pytest.approx(level)
 

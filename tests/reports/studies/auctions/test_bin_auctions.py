@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from scipy.optimize import linear_sum_assignment
 
 from waybound.reports.studies.auctions import bin_auctions as families
 
@@ -8,8 +9,6 @@ FAMILIES = [families.TRAVEL, families.FEWER_ROBOTS, families.ARBITRARY, families
 
 @pytest.mark.parametrize("family", FAMILIES, ids=lambda family: family.name)
 def test_optima_are_attained_and_no_better_answer_is_known(family: families.Family) -> None:
-    from scipy.optimize import linear_sum_assignment
-
     for k in range(min(20, family.count(20))):
         case = family.case(k, 3)
         assert case.optimum is not None

@@ -31,8 +31,7 @@ def test_findings_say_what_the_walks_do(walks):
 
 
 def test_all_policies_meet_the_same_costs():
-    report = study.uncertain_roadmaps(full=False)
-    seen = pd.DataFrame(report.observations)
+    seen = pd.DataFrame(study.uncertain_roadmaps(full=False).observations)
     assert seen.groupby(["graph", "seed"])["hindsight"].nunique().tolist() == [1] * 6
     assert seen["excess"].min() >= -1e-9 and seen["arrived"].all()
 

@@ -30,9 +30,5 @@ def test_broken_bounds_are_faults():
     row = {"kind": "loop", "method": "exact", "seed": 1, "point": 90.0, "arm": 80.0, "left": 1.0, "collected": 9.0, "bound": 9.0}
     changes = ({}, {"left": -1.0}, {"point": 101.0}, {"collected": 9.1}, {"proved": False})
     assert [[fault.kind for fault in study.broken_bounds([{**row, **change}])] for change in changes] == [
-        [],
-        ["answer"],
-        ["answer"],
-        ["bound"],
-        ["bound"],
-    ]
+        [], ["answer"], ["answer"], ["bound"], ["bound"],
+    ]  # fmt: skip

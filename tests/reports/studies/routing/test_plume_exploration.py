@@ -26,8 +26,5 @@ def test_broken_bounds_are_faults():
     assert [[fault.kind for fault in faults] for faults in kinds] == [["bound"], [], ["bound"], ["answer"]]
     loop = {"method": "depth-first", "seed": 1, "time": 9.0, "finished": 1.0, "hindsight": 4.0, "bound": 4.0, "proved_ratio": 2.0}
     assert [len(study.broken_bounds([{**loop, **change}])) for change in ({}, {"time": 8.0}, {"method": "exact"}, {"time": 3.9})] == [
-        1,
-        0,
-        0,
-        1,
-    ]
+        1, 0, 0, 1,
+    ]  # fmt: skip

@@ -1,9 +1,15 @@
+from dataclasses import replace
+
 import pytest
 
+import waybound as wb
 from waybound import CheckFailedError, UsageError, WinnerTakesAllSATA
 from waybound.reports.studies.sata.experiments import ExperimentPlan, Sweep, run_experiment, sensing_graph, solved
 from waybound.reports.studies.sata.families.optima import best_selection
 from waybound.reports.studies.study import STUDIES, Study, StudySetting
+from waybound.reports.studies.violations import write_faults
+from waybound.reports.studies.writing import png
+from waybound.solving import solve as solving
 
 POINT = {"robots": 6, "targets": 20, "phi": 20.0, "actions": 2}
 
@@ -48,10 +54,6 @@ def test_the_optimum_of_highs_is_that_of_enumeration():
 
 
 def test_an_optimum_that_is_not_proved_is_refused(monkeypatch):
-    from dataclasses import replace
-
-    from waybound.solving import solve as solving
-
     honest = solving.solve
     monkeypatch.setattr(solving, "solve", lambda *given, **options: replace(honest(*given, **options), status="feasible"))
     with pytest.raises(CheckFailedError, match="optimum"):
@@ -69,9 +71,6 @@ def test_rows_summarise_the_trials(tried):
 
 
 def test_values_that_contradict_each_other_are_faults_with_their_graph(tried, tmp_path):
-    import waybound as wb
-    from waybound.reports.studies.violations import write_faults
-
     report = tried(lambda graph, seed: ({"a": 2.0, "b": 1.0}, []), orders=(("a", "b"),))
     assert report.num_faults == 14
     assert {fault.kind for fault in report.faults} == {"order"}
@@ -90,7 +89,5 @@ def test_an_interrupt_keeps_what_was_done(tried):
 
 
 def test_the_figure_of_an_experiment_is_drawn(tried):
-    from waybound.reports.studies.writing import png
-
     report = tried(lambda graph, seed: ({"a": 1.0, "b": float(seed % 7)}, []))
     assert png(report.figures[0]).startswith(b"\x89PNG")

@@ -28,8 +28,7 @@ def test_findings_compare_the_two_kinds_run_by_run(far, verdict):
 
 def test_estimates_stand_over_what_came_true():
     figure = figure_without_display(8.0, 4.0)
-    made = logs({"binary": 0.0, "inverse-distance": 0.5})
-    study.weights_figure(made).draw(figure)
+    study.weights_figure(logs({"binary": 0.0, "inverse-distance": 0.5})).draw(figure)
     counts, values = figure.axes
     assert counts.lines[0].get_xydata().tolist() == [[4.0, 4.0]] * 4
     assert values.lines[1].get_xydata()[0].tolist() == pytest.approx([2.0 / 3.004, 3.002 / 3.004])

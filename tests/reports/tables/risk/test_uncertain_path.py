@@ -8,12 +8,9 @@ from waybound.reports.tables.facts import facts, facts_table
 def test_a_graph_is_told_by_sizes_and_ranges():
     rows = dict(facts_table(facts(wb.UncertainPath(graph_of(WORKED), 0.5))).rows)
     expected = {
-        "problem": "uncertain-path, min mean + 0 x standard deviation",
-        "vertices": "7, each left by 0 to 2 edges",
-        "edges": "10: means 10 to 102, variances 1 to 9",
-        "from, to": "S, G",
-        "positions": "none",
-    }
+        "problem": "uncertain-path, min mean + 0 x standard deviation", "vertices": "7, each left by 0 to 2 edges",
+        "edges": "10: means 10 to 102, variances 1 to 9", "from, to": "S, G", "positions": "none",
+    }  # fmt: skip
     assert {name: rows[name] for name in expected} == expected
 
 

@@ -31,8 +31,7 @@ def test_a_graph_is_told_with_the_degrees_of_what_sees(problem):
 
 def test_long_lists_of_names_are_cut_in_the_table_alone():
     problem = wb.BottleneckSATA(graph_of_edges([0], [0], [0], robots=30))
-    data = problem.facts()
-    assert len(data["graph"]["idle_robots"]) == 29
+    assert len(problem.facts()["graph"]["idle_robots"]) == 29
     assert told(problem)["idle robots"] == "29: 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, ..."
 
 

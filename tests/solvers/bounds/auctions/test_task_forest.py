@@ -32,8 +32,7 @@ def test_what_it_finds_is_proved_and_no_worse_than_the_forest(objective):
 
 def test_a_star_is_proved_to_the_optimum():
     star = line([0], [1, -1, 2])
-    found = method.compute(star, NEVER, LinearPrograms())
-    assert check(star, found.data) == pytest.approx(4.0, rel=1e-3)
+    assert check(star, method.compute(star, NEVER, LinearPrograms()).data) == pytest.approx(4.0, rel=1e-3)
 
 
 def test_units_do_not_matter_and_nothing_costs_nothing():

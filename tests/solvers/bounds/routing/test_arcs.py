@@ -15,8 +15,7 @@ from waybound.solvers.bounds.routing.arcs import Arcs, arc_costs, lacks_arc_cost
 
 
 def arcs_of(problem: RoutingProblem) -> Arcs:
-    made = arc_costs(problem)
-    return made
+    return arc_costs(problem)
 
 
 @settings(max_examples=draws(60), deadline=None)

@@ -40,7 +40,6 @@ def test_what_limits_cannot_take_the_place_of_is_named() -> None:
 def test_the_first_level_decides(objective: str) -> None:
     problem = spread(objective)
     evidence = choice_of_routes_bound(problem, Stop(60.0))
-    assert evidence is not None
     limited = evidence.kind == "branching-tree" and "term" in evidence.data["nodes"][0]["branch"]
     assert limited is (objective != "total-cost")
     best = 205.0 if limited else verified_bound(problem, evidence)

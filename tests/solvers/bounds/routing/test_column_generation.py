@@ -49,18 +49,15 @@ def test_too_few_vehicles_for_the_packing_end_in_a_ray_at_any_size_of_the_costs(
 
 
 def test_moves_are_hopeless_only_where_every_route_over_them_costs_too_much() -> None:
-    problem = plane(2, 8, 25.0)
-    columns, part = prepared(problem)
+    columns, part = prepared(plane(2, 8, 25.0))
     solved = columns.solve(part, None)
     all_of_them, none = columns.hopeless(part, solved, -2.0 * columns.dearest), columns.hopeless(part, solved, 1e3 * columns.dearest)
     assert all_of_them is not None and none is not None
-    inner = np.isfinite(part.cost[0])
-    assert all_of_them[inner].all() and not none.any()
+    assert all_of_them[np.isfinite(part.cost[0])].all() and not none.any()
 
 
 def test_routes_that_are_dropped_leave_the_value_and_what_was_solved_before_as_they_are(monkeypatch: pytest.MonkeyPatch) -> None:
-    problem = plane(3, 14, 30.0)
-    columns, part = prepared(problem)
+    columns, part = prepared(plane(3, 14, 30.0))
     solved = columns.solve(part, None)
     before, many, flow = columns.value(part), len(columns.pool), solved.routes.flow(solved.values, part.cost.shape)
     monkeypatch.setattr(column_generation, "FEW", 0)

@@ -4,13 +4,13 @@ import scipy.sparse as sp
 from scipy.sparse.csgraph import maximum_flow
 
 from waybound.formulations.stop import NEVER, Stop
+from waybound.solvers.bounds.routing.cut_kernels import cuts_below, overloaded_sets
 
 
 @pytest.fixture(autouse=True, scope="module")
 def _kernels():
     """Compiled when they are used: not by every process that collects tests."""
     global cuts_below, overloaded_sets
-    from waybound.solvers.bounds.routing.cut_kernels import cuts_below, overloaded_sets
 
 
 def edges(capacity):
@@ -19,11 +19,8 @@ def edges(capacity):
     place = {edge: k for k, edge in enumerate(zip(tails.tolist(), heads.tolist(), strict=True))}
     twins = np.array([place[h, t] for t, h in zip(tails.tolist(), heads.tolist(), strict=True)], dtype=np.int64)
     return (
-        np.searchsorted(tails, np.arange(len(capacity) + 1)),
-        np.ascontiguousarray(heads),
-        twins,
-        capacity[tails, heads].astype(np.float64),
-    )
+        np.searchsorted(tails, np.arange(len(capacity) + 1)), np.ascontiguousarray(heads), twins, capacity[tails, heads].astype(np.float64),
+    )  # fmt: skip
 
 
 def asked(capacity, need, node, stop=NEVER):

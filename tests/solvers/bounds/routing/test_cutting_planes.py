@@ -43,8 +43,7 @@ def test_a_tour_is_bounded_closely_and_what_is_found_is_what_is_checked():
     assert evidence is not None and evidence.data["cuts"]
     bound = verified_bound(problem, evidence)
     assert bound == np.floor(evidence.value + 1e-6)
-    knapsack = BOUNDS["knapsack"].compute(problem, NEVER)
-    assert bound < 0.95 * verified_bound(problem, knapsack)
+    assert bound < 0.95 * verified_bound(problem, BOUNDS["knapsack"].compute(problem, NEVER))
 
 
 def test_edges_beyond_the_nearest_count():

@@ -13,6 +13,7 @@ from patience import HANG
 from small_routing import plane, small
 from truth.routing import best_values, routes
 
+import waybound as wb
 from waybound import Evidence, RoutingProblem
 from waybound.formulations.stop import Stop
 from waybound.formulations.verified_bounds import verified_bound
@@ -39,7 +40,6 @@ def _at_once(monkeypatch: pytest.MonkeyPatch) -> None:
 
 def of_kind(evidence: Evidence | None) -> list[dict[str, Any]]:
     """The evidence over listed routes in a tree."""
-    assert evidence is not None
     nodes = [{"kind": evidence.kind, "data": evidence.data}, *evidence.data.get("nodes", [])]
     return [node["data"] for node in nodes if node.get("kind") == "enumerated-routes"]
 
@@ -74,7 +74,6 @@ def test_all_sets_of_customers_are_listed_with_their_cheapest_route(feature: str
 
     def all_routes(columns: ColumnGeneration, part: Any, solved: Any, gap: float, most: int) -> Pool | None:
         every = original(columns, part, solved, 1e5, most)
-        assert every is not None
         seen.append((every, every.sums(columns.cost[0]) * columns.unit))
         return every
 
@@ -175,8 +174,6 @@ def test_a_search_that_withholds_routes_proves_nothing_that_is_false(
 
 @pytest.mark.parametrize("seed", range(3))
 def test_with_and_without_it_the_same_is_proved(seed: int) -> None:
-    import waybound as wb
-
     problem = plane(seed, 12, 25.0)
     found = [wb.solve(problem, "branch-price-cut", enumeration=most, bound_time=0) for most in (0, 50_000)]
     assert found[0].bound_kind == found[1].bound_kind == "verified"

@@ -1,5 +1,7 @@
 """First answers: judged, and none where a search cannot give one."""
 
+from dataclasses import replace
+
 import pytest
 from patience import HANG
 from small_routing import plane, small
@@ -18,8 +20,6 @@ def test_an_answer_is_one_of_the_problem_and_the_same_for_the_same_seed() -> Non
 
 def test_there_is_none_without_a_feasible_one() -> None:
     problem = small("capacity", 1, "round")
-    from dataclasses import replace
-
     tight = replace(problem, fleet=(replace(problem.fleet[0], count=1, capacity=10.0),))
     assert first_answer(tight, 1.0, 1, Stop(HANG), compiled=False) is None
 

@@ -48,8 +48,7 @@ def test_no_budget_means_no_search():
 
 def test_a_fleet_too_small_for_the_load_is_proved_so():
     problem = line(VehicleType(count=1, capacity=5), demand=[0, 3, 3])
-    found = too_few_vehicles_evidence(problem, Stop(60.0))
-    assert verified_bound(problem, found) == math.inf
+    assert verified_bound(problem, too_few_vehicles_evidence(problem, Stop(60.0))) == math.inf
     assert too_few_vehicles_evidence(line(VehicleType(count=2, capacity=5), demand=[0, 3, 3]), Stop(60.0)) is None
     assert too_few_vehicles_evidence(line(VehicleType(capacity=1), demand=[0, 3, 3]), Stop(60.0)) is None
 

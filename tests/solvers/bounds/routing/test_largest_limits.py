@@ -187,16 +187,13 @@ def test_routes_beyond_the_limit_and_of_waiting_vehicles_are_not_taken_over() ->
     problem, every = spread(0), Routes.of([[1, 2, 3, 4], [5, 6], [1]])
     lengths = [problem.travel.distances[np.array([0, *r.visits]), np.array([*r.visits, 0])].sum() for r in every]
     former = LimitTree.of(problem, "longest-route", math.inf, Stop(60.0), 1, {})
-    assert former is not None
     former.take(every, None)
     assert len(former.columns.pool) == 3
     tree = LimitTree.of(problem, "longest-route", float(np.mean(sorted(lengths)[:2])), Stop(60.0), 1, {})
-    assert tree is not None
     tree.take(None, former)
     assert [route.tolist() for route in tree.columns.pool.routes] == [[1]]
     late = replace(problem, objective=Objective.of("latest-return"), sites=replace(problem.sites, ready=np.arange(7.0)))
     tree = LimitTree.of(late, "latest-return", 1e3, Stop(60.0), 1, {})
-    assert tree is not None
     tree.take(every, None)
     assert not len(tree.columns.pool)
 

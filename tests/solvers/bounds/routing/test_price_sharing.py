@@ -21,8 +21,7 @@ def prices(problem, kept):
 
 
 def test_what_is_found_is_what_the_checker_derives():
-    problem = plane(5, 20, 25.0)
-    value, bound = prices(problem, np.ones((21, 21), dtype=bool))
+    value, bound = prices(plane(5, 20, 25.0), np.ones((21, 21), dtype=bool))
     assert bound == pytest.approx(value, rel=1e-3)
 
 

@@ -30,8 +30,7 @@ def test_of_all_routes_the_best_answer_is_chosen(feature: str, seed: int) -> Non
 
 
 def test_nothing_is_chosen_where_routes_do_not_go_together() -> None:
-    problem = small("capacity", 1, "exact")
-    partition, pool = set_partition(problem), Pool()
+    partition, pool = set_partition(small("capacity", 1, "exact")), Pool()
     assert partition is not None
     pool.add([(0, np.array([1, 2])), (0, np.array([2, 3])), (0, np.array([4, 4]))])
     assert best_choice(pool, partition, np.zeros(3), math.inf, 30.0, NEVER) is None

@@ -44,13 +44,11 @@ def test_rewards_and_penalties_are_costs_of_the_moves_to_their_sites() -> None:
 
 def test_members_of_a_group_have_one_row() -> None:
     partition = set_partition(made((VehicleType(2),), groups=[Group((1, 3)), Group((2, 4), required=False)]))
-    assert partition is not None
     assert partition.row.tolist() == [0, 1, 2, 1, 2] and partition.optional.tolist() == [True, False, True]
 
 
 def test_skills_leave_moves_out() -> None:
     partition = set_partition(made((VehicleType(1), VehicleType(1, skills=frozenset({"ice"}))), skills={2: {"ice"}}))
-    assert partition is not None
     assert math.isinf(partition.types[0].cost[0, 2]) and math.isfinite(partition.types[1].cost[0, 2])
 
 

@@ -14,8 +14,7 @@ CHEAP = ("farthest-round-trip", "averaged-tour", "knapsack", "vehicles-needed", 
 
 
 def gap(problem, seconds=5.0):
-    evidence = state_space_bound(problem, Stop(seconds))
-    return verified_bound(problem, evidence)
+    return verified_bound(problem, state_space_bound(problem, Stop(seconds)))
 
 
 @pytest.mark.share(3)

@@ -142,8 +142,7 @@ def test_whole_actions_are_bounded_by_shares():
 
 
 def test_only_nonzero_weights_become_evidence():
-    graph = random_graph(7, robots=300, targets=200)
-    data = ball_evidence(graph, None, Stop(60.0), Solver()).data
+    data = ball_evidence(random_graph(7, robots=300, targets=200), None, Stop(60.0), Solver()).data
     assert all(w > 0 for w in data["weights"])
     assert data["targets"] == sorted(set(data["targets"]))
 

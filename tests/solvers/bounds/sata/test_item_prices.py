@@ -30,7 +30,6 @@ def test_prices_prove_the_value_of_the_linear_relaxation(seed: int, kind: str, c
     assert game.value * game.unit <= relaxed + 1e-7 * (1 + relaxed)
     assert game.bound * game.unit == pytest.approx(relaxed, rel=2 * GAP, abs=1e-7)
     evidence = item_prices_bound(problem, Stop(HANG))
-    assert evidence is not None
     assert evidence.value == verified_bound(problem, evidence) >= optimum(problem) * (1 - 1e-12)
 
 

@@ -48,8 +48,7 @@ def test_few_prefixes_are_looked_at_where_each_is_expensive(monkeypatch: pytest.
 
 
 def test_it_is_found_by_the_general_search_for_bounds() -> None:
-    certificate = wb.bound(cover_tight(), bound_time=60.0)
-    assert certificate.bound == pytest.approx(80)
+    assert wb.bound(cover_tight(), bound_time=60.0).bound == pytest.approx(80)
     free = marginal_gains_bound(cover_tight(), Stop(60.0))
     assert free is not None and free.value == pytest.approx(81)
     solved = wb.solve(cover_tight(), heuristic="random", bound_time=60.0)
@@ -72,8 +71,7 @@ def test_what_costs_nothing_is_in_the_set_that_a_knapsack_is_bounded_by() -> Non
 
 def test_it_says_what_it_lacks() -> None:
     missing = BOUNDS["marginal-gains"].missing
-    graph = SensingGraph.from_edges([0], [0], [0])
-    assert missing(BottleneckSATA(graph)) == {"max-min problems"}
+    assert missing(BottleneckSATA(SensingGraph.from_edges([0], [0], [0]))) == {"max-min problems"}
     undeclared = SubmodularSelection(UserFunction(lambda m: m.sum(axis=1), 3), Cardinality(1))
     assert missing(undeclared) == {"a function that is declared monotone and submodular"}
     assert not missing(cover_tight())

@@ -58,8 +58,7 @@ def test_optima_by_hand(robots, tasks, best):
 
 
 def test_cut_short_it_has_no_answer():
-    many = line([0, 1], np.arange(MOST_TASKS))
-    assert best_paths(many, Stop(0.0)) is None
+    assert best_paths(line([0, 1], np.arange(MOST_TASKS)), Stop(0.0)) is None
 
 
 KINDS = list(itertools.product(("min-max", "min-difference"), ("mst", "clique", "none")))

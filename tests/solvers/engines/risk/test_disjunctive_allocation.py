@@ -40,15 +40,13 @@ def test_limits_of_work_leave_what_is_proved() -> None:
 
 
 def test_around_two_boxes_the_tree_closes() -> None:
-    p = wb.generate("risk-allocation", family="obstacles", seed=1)
-    result = run(DisjunctiveAllocation, p)
+    result = run(DisjunctiveAllocation, wb.generate("risk-allocation", family="obstacles", seed=1))
     assert result.status == "optimal" and result.objective == pytest.approx(1.13328197, rel=2e-6)
     assert result.bound == pytest.approx(result.objective, rel=2e-6)
 
 
 def test_no_side_that_can_be_kept_is_no_answer() -> None:
-    p = around_a_box(lower=-1, upper=1)
-    solution = solve(p, bound_time=0)
+    solution = solve(around_a_box(lower=-1, upper=1), bound_time=0)
     assert solution.status == "infeasible" and solution.answer is None
 
 

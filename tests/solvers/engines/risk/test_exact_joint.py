@@ -91,8 +91,7 @@ def test_a_plan_keeps_its_true_risk_where_failures_come_together(total: float, l
 
 @pytest.mark.parametrize("total", [1.5e-5, 1.723e-5])
 def test_a_total_that_no_position_keeps_is_kept_by_none(total: float) -> None:
-    least = min(risk_of_two_sensors(x, 4.3) for x in np.linspace(-0.01, 0.01, 41))
-    assert total < least
+    assert total < min(risk_of_two_sensors(x, 4.3) for x in np.linspace(-0.01, 0.01, 41))
     result = run(ExactJoint, two_sensors(total, 4.3))
     assert result.answer is None and result.status == "infeasible"
 
@@ -106,8 +105,7 @@ def test_planes_lead_to_the_few_positions_that_keep_it() -> None:
 @pytest.mark.parametrize("total", [1e-6, 1e-3])
 def test_a_generated_plan_keeps_its_risk_by_an_independent_sampler(total: float) -> None:
     p = wb.generate("risk-allocation", family="auv", total=total, risk="joint")
-    solution = solve(p, time_limit=5, bound_time=1)
-    slack, s = p.limits - p.chance @ solution.answer.decision, p.covariance
+    slack, s = p.limits - p.chance @ solve(p, time_limit=5, bound_time=1).answer.decision, p.covariance
     deviation, rng, many = np.sqrt(np.diag(s)), np.random.default_rng(77), 400_000
     tails = norm.sf(slack / deviation)
     row = rng.choice(len(tails), many, p=tails / tails.sum())

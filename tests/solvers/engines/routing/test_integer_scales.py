@@ -12,13 +12,9 @@ numbers = st.floats(0, 1e5, allow_nan=False)
 @pytest.mark.parametrize(
     ("values", "factor", "exact"),
     [
-        ([1, 2, 3], 1, True),
-        ([1.5], 10, True),
-        ([0.25, 3], 100, True),
-        ([0.125], 1000, True),
-        ([1 / 3], FINE, False),
+        ([1, 2, 3], 1, True), ([1.5], 10, True), ([0.25, 3], 100, True), ([0.125], 1000, True), ([1 / 3], FINE, False),
     ],
-)
+)  # fmt: skip
 def test_the_smallest_exact_scale_is_chosen(values: list[float], factor: int, exact: bool) -> None:
     assert scale_of(values) == Scale(factor, exact)
 

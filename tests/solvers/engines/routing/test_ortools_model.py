@@ -1,8 +1,10 @@
+import time
+
 import pytest
 from small_routing import small
 
 from waybound.solvers.backend import Control, Options
-from waybound.solvers.engines.routing.ortools import ORTools
+from waybound.solvers.engines.routing.ortools import ORTools, _parameters
 from waybound.solvers.engines.routing.ortools_model import Model
 from waybound.solvers.engines.routing.routing_integers import integer_routing
 
@@ -11,7 +13,6 @@ from waybound.solvers.engines.routing.routing_integers import integer_routing
 def test_it_asks_for_a_process_because_it_holds_the_global_lock() -> None:
     # The lock is held during the whole search: a thread that should tick every 10 ms hears nothing.
     import threading
-    import time
 
     assert ORTools.needs_process
     problem = small("time-windows", 0, "exact")
@@ -22,8 +23,6 @@ def test_it_asks_for_a_process_because_it_holds_the_global_lock() -> None:
     def tick() -> None:
         while not done.wait(0.01):
             ticks.append(time.perf_counter())
-
-    from waybound.solvers.engines.routing.ortools import _parameters
 
     parameters = _parameters(Options(), 1.0)
     thread = threading.Thread(target=tick)

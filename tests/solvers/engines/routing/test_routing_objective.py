@@ -57,8 +57,7 @@ def answers(problem: RoutingProblem, rng: np.random.Generator) -> list[Routes]:
 def test_the_sum_orders_answers_as_the_objective_does(objective) -> None:
     problem = priced(objective)
     signs = np.array([1.0 if s == "min" else -1.0 for s in problem.senses])
-    made = answers(problem, np.random.default_rng(0))
-    ranked = sorted(made, key=lambda a: value(problem, a))
+    ranked = sorted(answers(problem, np.random.default_rng(0)), key=lambda a: value(problem, a))
     keys = [tuple(np.round(signs * problem.evaluate(a).values, 6)) for a in ranked]
     assert keys == sorted(keys)
 
@@ -74,8 +73,7 @@ def test_the_claim_is_the_value_in_the_objectives_own_sense() -> None:
 
 
 def test_nothing_is_claimed_of_objectives_in_order_of_priority() -> None:
-    problem = replace(small("vehicles", 0, "round"))
-    assert claimed_objective(problem, 17.0) is None
+    assert claimed_objective(replace(small("vehicles", 0, "round")), 17.0) is None
 
 
 @pytest.mark.parametrize(

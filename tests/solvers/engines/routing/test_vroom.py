@@ -181,8 +181,7 @@ def test_types_of_vehicles_have_costs_of_their_own() -> None:
         replace(problem.fleet[0], unit_cost=3.0, name="dear"),
         replace(problem.fleet[0], unit_cost=0.5, fixed_cost=2.0, name="cheap"),
     )
-    found = run(replace(problem, fleet=(dear, cheap)))
-    assert {r.vehicle for r in found.answer} == {1}
+    assert {r.vehicle for r in run(replace(problem, fleet=(dear, cheap))).answer} == {1}
 
 
 @needs_vroom

@@ -47,13 +47,10 @@ def event_driven(problem, choice):
 @pytest.mark.parametrize(
     ("name", "nearest", "auction"),
     [
-        ("S1", (9, 15), (9, 15)),
-        ("S2", (18, 44), (24, 42)),
-        ("S3", (32, 85), (32, 85)),
-        ("S4", (8, 11), (8, 11)),
+        ("S1", (9, 15), (9, 15)), ("S2", (18, 44), (24, 42)), ("S3", (32, 85), (32, 85)), ("S4", (8, 11), (8, 11)),
         ("S5", (19, 42), (19, 39)),
     ],
-)
+)  # fmt: skip
 def test_schedules_of_the_reference(name, nearest, auction):
     problem = retrievals(*SCHEDULES[name][:3])
     assert event_driven(problem, "greedy") == nearest

@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from truth.routing import best_values
 
+from waybound.instances.routing.travel import Travel
 from waybound.reports.ratios.judged_runs import run_heuristic
 from waybound.reports.ratios.optimum import optimum
 from waybound.reports.studies.routing.families import routing as families
@@ -67,7 +68,6 @@ def test_pairs_that_share_a_vehicle_are_cut_apart() -> None:
 def test_ratios_of_the_literature(demand: list[float], capacity: float, ratio: float) -> None:
     from waybound.formulations.routing.problem import RoutingProblem
     from waybound.instances.routing.instance import Sites, VehicleType
-    from waybound.instances.routing.travel import Travel
 
     travel = Travel("euclidean", np.random.default_rng(1).uniform(0, 9, (4, 2)))
     problem = RoutingProblem(Sites.of(range(4), demand=[0, *demand]), travel, (VehicleType(capacity=capacity),))

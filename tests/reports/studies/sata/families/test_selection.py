@@ -34,8 +34,7 @@ def test_a_family_for_each_function_has_ground_sets_up_to_the_size_asked_for(con
 @pytest.mark.parametrize("kind", random.FUNCTIONS)
 def test_every_function_is_monotone_and_submodular(kind):
     for seed in range(8):
-        f = random.FUNCTIONS[kind](np.random.default_rng(seed), 6)
-        assert check_submodular(f), (kind, seed)
+        assert check_submodular(random.FUNCTIONS[kind](np.random.default_rng(seed), 6)), (kind, seed)
 
 
 def test_groups_are_numbered_without_gaps_and_mostly_of_one_choice():

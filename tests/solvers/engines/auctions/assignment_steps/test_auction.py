@@ -2,12 +2,15 @@ import numpy as np
 import pytest
 from bin_assignments import enumerated, random_costs, worked
 from draws import draws
+from scipy.optimize import linear_sum_assignment
 
 from waybound.formulations.auctions.bin_assignment import BinAssignment
 from waybound.formulations.stop import NEVER, Stop
 from waybound.formulations.verified_bounds import verified_bound
-from waybound.solvers.engines.auctions.assignment_steps import auction as auctions
+from waybound.instances.generating import generate
+from waybound.solvers.engines.auctions.assignment_steps import auction as auctions, auction_kernels as kernels
 from waybound.solvers.engines.auctions.assignment_steps.auction import auction
+from waybound.solvers.engines.auctions.assignment_steps.auction_kernels import sparse_phase
 from waybound.solvers.engines.auctions.assignment_steps.sides import sides
 
 
@@ -30,10 +33,6 @@ def test_random_assignments_are_optimal_and_proved(few: int, monkeypatch: pytest
 @pytest.mark.parametrize("costs", ["whole", "uniform", "euclidean"])
 @pytest.mark.parametrize(("n", "m"), [(80, 80), (60, 90), (90, 60)])
 def test_larger_ones_agree_with_shortest_augmenting_paths(costs: str, n: int, m: int) -> None:
-    from scipy.optimize import linear_sum_assignment
-
-    from waybound.instances.generating import generate
-
     problem = BinAssignment(generate("assignment", 4, robots=n, bins=m, costs=costs))
     found = auction(problem, NEVER)
     matrix = problem.matrix()
@@ -46,10 +45,6 @@ def test_larger_ones_agree_with_shortest_augmenting_paths(costs: str, n: int, m:
 @pytest.mark.parametrize("largest", [2, 1000])
 def test_rows_remember_their_cheapest_pairs_line_by_line(largest: int) -> None:
     """Rows of 1 pair, of less than a line, of some lines and of more than they remember; many ties."""
-    from scipy.optimize import linear_sum_assignment
-
-    from waybound.solvers.engines.auctions.assignment_steps import auction_kernels as kernels
-
     rng = np.random.default_rng(largest)
     for lines in (kernels.LINES, kernels.LINES_SPARSE):
         memory = auctions.remembered(7, lines)
@@ -89,10 +84,7 @@ def test_all_pairs_are_counted_only_where_they_are_near(kind: str) -> None:
 
 def test_bad_prices_to_begin_with_are_repaired_where_columns_are_left_over() -> None:
     """One robot, bins at 5 and 3 whose prices begin at 0 and 10: without repair it takes the first, 2 above the optimum."""
-    from waybound.solvers.engines.auctions.assignment_steps.auction_kernels import sparse_phase
-
-    problem = BinAssignment.from_matrix([[5.0, 3.0]])
-    (part,) = sides(problem)
+    (part,) = sides(BinAssignment.from_matrix([[5.0, 3.0]]))
     cost, unit, _ = auctions.whole_costs(part, 40, finest=True)
     price, owner = np.array([0, round(10 * unit)]), np.full(2, -1)
     epsilon, counts = round(0.1 * unit), np.zeros(2, np.int64)

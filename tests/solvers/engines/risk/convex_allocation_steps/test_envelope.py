@@ -71,7 +71,6 @@ def test_cones_have_further_columns_too() -> None:
 
 
 def test_without_noise_there_are_no_columns() -> None:
-    p = problem(quantities__covariance=[0, 0])
-    tail = Envelope(p, 4, 0.2, 1)
+    tail = Envelope(problem(quantities__covariance=[0, 0]), 4, 0.2, 1)
     assert tail.program.num_variables == 2 and tail.session.solve(Stop()).value == pytest.approx(17.0)
     assert tail.parts(tail.session.solve(Stop()))[1].tolist() == [0.0, 0.0]

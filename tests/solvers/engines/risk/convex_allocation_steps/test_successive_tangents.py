@@ -4,6 +4,7 @@ import math
 import numpy as np
 import pytest
 from risk_problems import margins, problem
+from scipy.special import ndtr
 
 from waybound.formulations.stop import Stop
 from waybound.formulations.verified_bounds import verified_bound
@@ -114,8 +115,6 @@ def test_without_time_nothing_is_known() -> None:
 
 def test_the_least_margin_is_a_minimum() -> None:
     z = np.linspace(1.5, 9.0, 20001)
-    from scipy.special import ndtr
-
     for slope, price in ((0.1, 1.0), (1.0, 0.1), (1e-9, 1.0), (0.0, 1.0), (1.0, 0.0)):
         margin = float(least_margin(np.array([slope]), np.array([price]), np.array([1.5]))[0])
         assert margin == pytest.approx((slope * z + price * ndtr(-z)).min(), rel=1e-6, abs=1e-9)

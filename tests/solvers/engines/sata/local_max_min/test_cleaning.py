@@ -26,16 +26,14 @@ def test_idle_actions_lower_delta_r_and_idle_robots_go() -> None:
 
 
 def test_targets_of_one_viewer_are_set_apart_and_the_lightest_one_counts() -> None:
-    graph = graph_of_edges([0, 1], [0, 0, 0, 1], [0, 1, 2, 2], [5.0, 3.0, 1.0, 1.0])
-    layout = clean(graph).layout
+    layout = clean(graph_of_edges([0, 1], [0, 0, 0, 1], [0, 1, 2, 2], [5.0, 3.0, 1.0, 1.0])).layout
     assert layout.private.tolist() == [3.0, 0.0]
     assert layout.starts.tolist() == [0, 1, 2]
     assert layout.targets.tolist() == [2, 2]
 
 
 def test_actions_are_laid_out_robot_after_robot() -> None:
-    graph = graph_of_edges([1, 0, 1, 0], [0, 1, 2, 3], [0, 0, 1, 1], [1.0, 2.0, 3.0, 4.0])
-    cleaned = clean(graph)
+    cleaned = clean(graph_of_edges([1, 0, 1, 0], [0, 1, 2, 3], [0, 0, 1, 1], [1.0, 2.0, 3.0, 4.0]))
     assert cleaned.actions.tolist() == [1, 3, 0, 2]
     assert cleaned.layout.weights.tolist() == [2.0, 4.0, 1.0, 3.0]
     assert cleaned.spread(np.array([1.0, 2.0, 3.0, 4.0])).tolist() == [3.0, 1.0, 4.0, 2.0]

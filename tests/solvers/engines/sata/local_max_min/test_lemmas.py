@@ -3,6 +3,7 @@ from fractions import Fraction as F
 import numpy as np
 from draws import draws
 from hypothesis import given, settings, strategies as st
+from scipy.optimize import linprog
 from truth.local_algorithm import ExactLocal, random_graph, robots_of
 
 
@@ -12,8 +13,6 @@ def exact_case(seed: int, h: int) -> ExactLocal:
 
 def pair_optimum(exact: ExactLocal) -> float:
     """Optimum of the program with a row for each pair of a robot's actions in place of its own."""
-    from scipy.optimize import linprog
-
     targets = sorted(exact.viewers)
     cover = np.zeros((len(targets), exact.size + 1))
     for row, k in enumerate(targets):

@@ -4,8 +4,9 @@ import warnings
 
 import numpy as np
 import pytest
-from coded import coded
+from coded import check_coded
 from draws import draws
+from file_cases import check_refused
 from hypothesis import given, settings, strategies as st
 from truth.local_algorithm import cycle, random_graph
 
@@ -101,7 +102,5 @@ def test_messages_are_plain_numbers_and_tuples(monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_searches_of_too_many_levels_are_refused() -> None:
-    with pytest.raises(UsageError, check=coded("too-large")):
-        exchange(cycle(4), 2, eps=1e-6)
-    with pytest.raises(UsageError, match="step=1e-06"):
-        exchange(cycle(4), 2, search="step", step=1e-6)
+    check_coded(UsageError, "too-large", exchange, cycle(4), 2, eps=1e-6)
+    check_refused(UsageError, "step=1e-06", exchange, cycle(4), 2, search="step", step=1e-6)

@@ -4,17 +4,42 @@ import math
 
 import numpy as np
 import pytest
+from bin_assignments import worked
+from oracles import SQUARE_4, routing
+from orchard_cases import retrievals
 from sata_cases import CASES
-from selection_problems import cover_30, cover_tight, random_problem, run
+from selection_problems import context, cover_30, cover_tight, random_problem
+from task_problems import line, parts
+from uncertain_graphs import WORKED, graph_of
 
-from waybound import Coverage, Knapsack, SubmodularSelection, UsageError, WinnerTakesAllSATA
+from waybound import Coverage, Knapsack, Makespan, Reward, SubmodularSelection, UncertainPath, UsageError, WinnerTakesAllSATA
 from waybound.heuristics.heuristic import HEURISTICS
 
 ONE = SubmodularSelection(Coverage.from_sets([[0]], [1.0]), Knapsack([1.0], 1.0))
 ROBOTS = WinnerTakesAllSATA(CASES["S10"].graph)
 NO_ORDERS = [[0, 1], [0, 1, 1], [0, 1, 3], [1, 2, 3], "1,2", "1,2,2", "a,b,c", 7, [0.0, 1.0, 2.0], [True, False, 2], {0, 1, 2}]
+PAIRS, TASKS, ROUTES = worked("O"), line([0], [1]), routing(xy=SQUARE_4)
+EARNING = routing(xy=SQUARE_4, count=1, max_distance=12.0, sites={"required": False, "reward": 1.0}, objective=Reward())
+EVENLY = routing(xy=SQUARE_4, count=2, max_duration=14.0, objective=Makespan())
 
 OPTIONS = {
+    ("auction", "mode"): (PAIRS, "mode must be one of deferred, immediate, not 'english'", ["english"]),
+    ("bertsekas", "epsilon"): (PAIRS, "epsilon must be a number above 0", [0, -1.0, math.nan, "small"]),
+    ("bertsekas", "factor"): (PAIRS, "factor must be a number above 1", [1.0]),
+    ("bertsekas", "scaling"): (PAIRS, "scaling must be true or false", [3]),
+    ("consensus-bundle", "communication"): (TASKS, "communication must be complete, ring, line, star", ["pigeons"]),
+    ("consensus-bundle", "most"): (TASKS, "most must be", [0, "two"]),
+    ("distributed-sampling", "initial"): (parts([0, 1]), "initial must be nearest or first", ["random"]),
+    ("distributed-sampling", "most_moves"): (parts([0, 1]), "most_moves must be", [-1]),
+    ("greedy-orienteering", "by"): (EARNING, "density, reward", ["luck"]),
+    ("insertion", "alpha1"): (ROUTES, "alpha1", [1.5, "all"]),
+    ("insertion", "lamda"): (ROUTES, "lamda", [math.nan]),
+    ("insertion", "mu"): (ROUTES, "mu", [-1, math.inf]),
+    ("insertion", "seeds"): (ROUTES, "seeds", ["nearest"]),
+    ("list-schedule", "order"): (retrievals(((0, 1),), (0,)), "order must be one of nearest, longest", ["best"]),
+    ("pure-greedy", "distance_weight"): (EVENLY, "distance_weight", [-1, math.nan, math.inf, "much"]),
+    ("rags", "rule"): (UncertainPath(graph_of(WORKED), 0.05), "rule must be one of best, scan", ["worst"]),
+    ("savings", "shape"): (ROUTES, "shape", [0, -1, math.nan, math.inf, "wide"]),
     ("greedy", "eps"): (cover_tight(), "eps must be", [-1.0, math.nan, math.inf, "small", True]),
     ("lazy-greedy", "eps"): (cover_tight(), "eps must be", [-1.0, math.nan, math.inf, "small", True]),
     ("lazy-greedy", "base"): (cover_30(6), "base must be a list of", [[0, 0], [30], [-1], "0", "1,1", 3, [0.5], [True], b"12"]),
@@ -32,7 +57,7 @@ OPTIONS = {
 def test_an_option_out_of_range_is_refused(name: str, option: str, wrong: object) -> None:
     problem, words, _ = OPTIONS[name, option]
     with pytest.raises(UsageError, match=words):
-        run(name, problem, **{option: wrong})
+        HEURISTICS[name].run(problem, context(1), **{option: wrong})
 
 
 @pytest.mark.parametrize(
