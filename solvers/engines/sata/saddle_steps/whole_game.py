@@ -88,7 +88,8 @@ class GrowingPace(Pace):
     """That of the interior point, whose steps shrink the gap by much the same factor, and cost more and more."""
 
     def left(self, gap: float) -> float:
-        return self.projected(gap) if self.turns > 2 else super().left(gap)
+        left = self.projected(gap) if self.turns > 2 else super().left(gap)
+        return left if left < math.inf or self.turns >= TURNS else 0.0
 
     def projected(self, gap: float) -> float:
         """Work until ``gap`` where the turns go on to cost more, and gaps to shrink, by the same factors; 0 while little is known."""
@@ -103,7 +104,7 @@ class GrowingPace(Pace):
         growth = (math.fsum(costs[-half:]) / math.fsum(costs[:half])) ** (1 / (len(costs) - half))
         shrink = float(gaps[-1] / gaps[0]) ** (1 / len(costs))
         if not shrink < 1.0:
-            return math.inf if self.turns >= TURNS else 0.0
+            return math.inf
         turns = math.log(gap / gaps[-1]) / math.log(shrink)
         return float(costs[-1]) * math.fsum(growth ** min(k, 60) for k in range(1, math.ceil(min(turns, 1e4)) + 1))
 
@@ -117,7 +118,7 @@ def play(game: Game) -> tuple[int, int]:
     alone, resting, cost, failures = False, 0.0, 0.0, 0
     while not (record.closed() or limits.reached()):
         steps, work, spent = methods[0].steps + methods[1].steps, methods[0].work + methods[1].work, 0.0 if point is None else point.work
-        costly = steps < ENOUGH_STEPS and pointed.projected(record.gap) > ENOUGH_STEPS * game.pass_work
+        costly = steps < ENOUGH_STEPS and pointed.left(record.gap) > ENOUGH_STEPS * game.pass_work
         leading = int(_faster(*paces, record.gap))
         if (
             alone
