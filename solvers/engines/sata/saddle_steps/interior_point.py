@@ -65,7 +65,7 @@ class InteriorPoint:
         self._w = self._z[self._owner] - worth
         with np.errstate(all="ignore"):
             self._product = float(self._x @ self._w + self._y @ self._s) / (len(self._x) + len(self._y))
-        self._curved, self._still, self._share = 0, 0, 1.0
+        self._curved, self._still, self._share, self._centred = 0, 0, 1.0, False
         self._wanted = self._stage()
 
     @classmethod
@@ -127,11 +127,12 @@ class InteriorPoint:
         record.prove(np.arange(len(y)), y, self.bound)
         if before != (record.value, record.bound):
             self._still = 0
-        if self._curved == 0:
-            self._share = (self.bound - self.value) / (aim * (len(self._x) + len(y)))
         surplus = cover - self._level
         self._s = np.clip(surplus, RANGE * aim / y, aim / RANGE / y)
         self._rest = surplus - self._s
+        self._centred = self._curved == 0 and not self._rest.any()
+        if self._centred:
+            self._share = (self.bound - self.value) / (aim * (len(self._x) + len(y)))
 
     @property
     def promised(self) -> float:
@@ -145,8 +146,8 @@ class InteriorPoint:
             self._wanted = self._stage()
         if self._curved > CURVED * self._robots:
             return product
-        enough = CLOSER * self._wanted * self.bound / (self.bound - self.promised)
-        return product * min(1.0, max(CENTRING, enough))
+        enough = CLOSER * self._wanted * max(self.promised, 0.0) / (self.bound - self.promised)
+        return product * min(CLOSER if self._centred else 1.0, max(CENTRING, enough))
 
     def _stage(self) -> float:
         """The gap that ends the next stage, so that all have the same ratio."""

@@ -67,10 +67,9 @@ class Multigrid:
             stalled = count > STALLED * len(group)
             if stalled:
                 group[:] = 0
-            sorted_, middle = np.empty_like(columns), np.empty_like(group)
-            halved = np.empty(len(values), np.float32)
-            sort_halves(starts, columns, values, middle, sorted_, halved)
-            self.levels.append(Level(starts, middle, sorted_, halved, 1.0 / diagonal, group, 0 if stalled else count))
+            middle, halves, halved = np.empty_like(group), np.empty_like(columns), np.empty(len(values), np.float32)
+            sort_halves(starts, columns, values, middle, halves, halved)
+            self.levels.append(Level(starts, middle, halves, halved, 1.0 / diagonal, group, 0 if stalled else count))
             if stalled:
                 break
             starts, columns, values = coarsen(starts, columns, values, group, count)

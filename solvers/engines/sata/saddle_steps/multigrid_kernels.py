@@ -79,8 +79,7 @@ def coarsen(starts, columns, values, group, count):  # type: ignore[no-untyped-d
 
 @kernel("(i4[::1], i4[::1], f8[::1], i4[::1], i4[::1], f4[::1])")
 def sort_halves(starts, columns, values, middle, new_columns, new_values):  # type: ignore[no-untyped-def]
-    """The entries of each row left of the diagonal, and from ``middle`` on those right of it; the diagonal itself is left out, at the end of
-    the row."""
+    """The entries of each row left of the diagonal, from ``middle`` on those right of it, and last the diagonal itself."""
     for row in range(len(middle)):
         left, right = starts[row], starts[row + 1] - 2
         for e in range(starts[row], starts[row + 1]):
