@@ -24,20 +24,22 @@ ENOUGH = 0.25
 
 @dataclass
 class Level:
-    """A symmetric positive definite CSR matrix, the group of each row, and the inverse of its diagonal."""
+    """A symmetric positive definite CSR matrix, its entries in the order of ``sort_halves`` and of half the precision, the inverse of its
+    diagonal, and the group of each row."""
 
     starts: NDArray[np.int32]
+    middle: NDArray[np.int32]
     columns: NDArray[np.int32]
-    values: Floats
+    values: NDArray[np.float32]
     inverse: Floats
     group: NDArray[np.int32]
     groups: int
 
     def times(self, vector: Floats) -> Floats:
-        from .sums_kernels import multiply
+        from .multigrid_kernels import times
 
         product = np.empty(len(vector))
-        multiply(self.starts, self.columns, self.values, vector, product, 0, len(product))
+        times(self.starts, self.columns, self.values, self.inverse, vector, product)
         return product
 
 
@@ -53,7 +55,7 @@ class Multigrid:
     def __init__(self, starts: NDArray[np.int32], columns: NDArray[np.int32], values: Floats, diagonal: Floats) -> None:
         from scipy.linalg import cho_factor
 
-        from .multigrid_kernels import aggregate, coarsen
+        from .multigrid_kernels import aggregate, coarsen, sort_halves
 
         self.levels: list[Level] = []
         self._dense = None
@@ -65,7 +67,9 @@ class Multigrid:
             stalled = count > STALLED * len(group)
             if stalled:
                 group[:] = 0
-            self.levels.append(Level(starts, columns, values, 1.0 / diagonal, group, 0 if stalled else count))
+            middle, halves, halved = np.empty_like(group), np.empty_like(columns), np.empty(len(values), np.float32)
+            sort_halves(starts, columns, values, middle, halves, halved)
+            self.levels.append(Level(starts, middle, halves, halved, 1.0 / diagonal, group, 0 if stalled else count))
             if stalled:
                 break
             starts, columns, values = coarsen(starts, columns, values, group, count)
@@ -97,10 +101,10 @@ class Multigrid:
         if not level.groups and self._dense is not None:
             return np.asarray(cho_solve(self._dense, given, check_finite=False))
         solution, coarse = np.empty(len(given)), np.zeros(max(level.groups, 1))
-        matrix = level.starts, level.columns, level.values, level.inverse
-        descend_a_level(*matrix, given, solution, level.group, coarse)
+        matrix = level.columns, level.values, level.inverse, given, solution, level.group
+        descend_a_level(level.starts, level.middle, *matrix, coarse)
         coarse = self._coarse(coarse, depth + 1) if level.groups else np.zeros(1)
-        ascend_a_level(*matrix, given, solution, level.group, coarse)
+        ascend_a_level(level.starts, *matrix, coarse)
         return solution
 
     def _coarse(self, given: Floats, depth: int) -> Floats:

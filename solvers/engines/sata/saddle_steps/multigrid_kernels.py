@@ -77,32 +77,56 @@ def coarsen(starts, columns, values, group, count):  # type: ignore[no-untyped-d
     return new_starts, new_columns[:k].copy(), new_values[:k].copy()
 
 
-@kernel("(i4[::1], i4[::1], f8[::1], f8[::1], f8[::1], f8[::1], i4[::1], f8[::1])")
-def descend_a_level(starts, columns, values, inverse, given, solution, group, coarse):  # type: ignore[no-untyped-def]
+@kernel("(i4[::1], i4[::1], f8[::1], i4[::1], i4[::1], f4[::1])")
+def sort_halves(starts, columns, values, middle, new_columns, new_values):  # type: ignore[no-untyped-def]
+    """The entries of each row left of the diagonal, from ``middle`` on those right of it, and last the diagonal itself."""
+    for row in range(len(middle)):
+        left, right = starts[row], starts[row + 1] - 2
+        for e in range(starts[row], starts[row + 1]):
+            if columns[e] < row:
+                new_columns[left], new_values[left] = columns[e], values[e]
+                left += 1
+            elif columns[e] > row:
+                new_columns[right], new_values[right] = columns[e], values[e]
+                right -= 1
+            else:
+                new_columns[starts[row + 1] - 1], new_values[starts[row + 1] - 1] = columns[e], values[e]
+        middle[row] = left
+
+
+@kernel("(i4[::1], i4[::1], i4[::1], f4[::1], f8[::1], f8[::1], f8[::1], i4[::1], f8[::1])")
+def descend_a_level(starts, middle, columns, values, inverse, given, solution, group, coarse):  # type: ignore[no-untyped-def]
     """Gauss-Seidel forwards from zero, then what is left of ``given``, summed over each group."""
     for row in range(len(given)):
         total = given[row]
-        for e in range(starts[row], starts[row + 1]):
-            if columns[e] < row:
-                total -= values[e] * solution[columns[e]]
+        for e in range(starts[row], middle[row]):
+            total -= values[e] * solution[columns[e]]
         solution[row] = total * inverse[row]
     coarse[:] = 0.0
     for row in range(len(given)):
         total = 0.0
-        for e in range(starts[row], starts[row + 1]):
-            if columns[e] > row:
-                total -= values[e] * solution[columns[e]]
+        for e in range(middle[row], starts[row + 1] - 1):
+            total -= values[e] * solution[columns[e]]
         coarse[group[row]] += total
 
 
-@kernel("(i4[::1], i4[::1], f8[::1], f8[::1], f8[::1], f8[::1], i4[::1], f8[::1])")
+@kernel("(i4[::1], i4[::1], f4[::1], f8[::1], f8[::1], f8[::1], i4[::1], f8[::1])")
 def ascend_a_level(starts, columns, values, inverse, given, solution, group, coarse):  # type: ignore[no-untyped-def]
     """Add what the groups found, then Gauss-Seidel backwards."""
     for row in range(len(given)):
         solution[row] += coarse[group[row]]
     for row in range(len(given) - 1, -1, -1):
         total = given[row]
-        for e in range(starts[row], starts[row + 1]):
-            if columns[e] != row:
-                total -= values[e] * solution[columns[e]]
+        for e in range(starts[row], starts[row + 1] - 1):
+            total -= values[e] * solution[columns[e]]
         solution[row] = total * inverse[row]
+
+
+@kernel("(i4[::1], i4[::1], f4[::1], f8[::1], f8[::1], f8[::1])")
+def times(starts, columns, values, inverse, vector, product):  # type: ignore[no-untyped-def]
+    """The matrix times ``vector``, into ``product``."""
+    for row in range(len(product)):
+        total = vector[row] / inverse[row]
+        for e in range(starts[row], starts[row + 1] - 1):
+            total += values[e] * vector[columns[e]]
+        product[row] = total

@@ -69,23 +69,48 @@ def assemble(graph, sees, seen, local, place, scaling, prices, matrix):  # type:
                 k += 1
 
 
-@kernel("(f8[::1], f8[::1], f8[::1], f8)")
-def step_length(values, direction, correction, weight):  # type: ignore[no-untyped-def]
-    """Largest step up to 1 along ``direction + weight * correction`` that leaves no value negative."""
-    longest = 1.0
-    for k in range(len(values)):
-        change = direction[k] + weight * correction[k]
-        if values[k] + longest * change < 0.0:
-            longest = -values[k] / change
-    return longest
+@kernel(f"({LAYOUT}, f8[::1], f8[::1], f8, f8, f8, f8[::1], f8[::1], f8[::1])")
+def move_robots(graph, worth, change, aim, reach, kept, shares, slacks, values):  # type: ignore[no-untyped-def]
+    """Add ``change`` to the ``shares``, and make ``slacks`` those of the new ``values`` of robots and ``worth`` of actions.
 
-
-@kernel("(f8[::1], f8[::1], f8[::1], f8[::1], f8, f8, f8, f8, f8[::1])")
-def outliers(values, slacks, d_values, d_slacks, step, slack_step, least, most, wanted):  # type: ignore[no-untyped-def]
-    """What the products of values and slacks lack, after a step, to the range from ``least`` to ``most``; at most ``most`` less."""
-    for k in range(len(values)):
-        product = (values[k] + step * d_values[k]) * (slacks[k] + slack_step * d_slacks[k])
-        wanted[k] = least - product if product < least else max(most - product, -most) if product > most else 0.0
+    Robots of which a product would leave the range from ``reach`` to 1 / ``reach`` times the ``aim``, or a share fall below ``kept`` of
+    what it was, go part of the way, and have the value at which the products ``aim`` give shares that sum to 1. Returns their number.
+    """
+    curved = 0
+    for robot in range(len(graph.first) - 1):
+        first, last = graph.first[robot], graph.first[robot + 1]
+        length, value, best, good = 1.0, values[robot], -np.inf, True
+        for k in range(first, last):
+            m = graph.order[k]
+            moved, slack = shares[m] + change[m], value - worth[m]
+            product = moved * slack
+            if not (moved >= kept * shares[m] and slack > 0.0 and reach * aim <= product <= aim / reach):
+                good = False
+            if moved < kept * shares[m]:
+                length = min(length, (kept - 1.0) * shares[m] / change[m])
+            best = max(best, worth[m])
+        if not good:
+            curved += 1
+            above = aim
+            for _ in range(60):
+                total, slope = 0.0, 0.0
+                for k in range(first, last):
+                    share = aim / (above + (best - worth[graph.order[k]]))
+                    total += share
+                    slope += share * share
+                if not total > 1.0 + 1e-12:
+                    break
+                above += total * (total - 1.0) * aim / slope
+            value = values[robot] = best + above
+        total = 0.0
+        for k in range(first, last):
+            m = graph.order[k]
+            shares[m] += length * change[m]
+            slacks[m] = above + (best - worth[m]) if not good else value - worth[m]
+            total += shares[m]
+        for k in range(first, last):
+            shares[graph.order[k]] /= total
+    return curved
 
 
 @kernel("UniTuple(f8, 2)(f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8[::1], f8, f8)")

@@ -44,8 +44,8 @@ before; the next is made when the first-order methods have done so many times th
 HORIZON = 0.5
 """Gap to which the methods are compared, as a share of the better one so far."""
 
-LOOK_BACK = 1.5
-"""Rates are taken since a method had done its work so far over this."""
+LOOK_BACK, TURNS = 1.5, 9
+"""Rates are taken since a method had done its work so far over this; those of the interior point over so many turns."""
 
 
 class Pace:
@@ -88,15 +88,21 @@ class GrowingPace(Pace):
     """That of the interior point, whose steps shrink the gap by much the same factor, and cost more and more."""
 
     def left(self, gap: float) -> float:
-        return max(super().left(gap), self.projected(gap))
+        left = self.projected(gap) if self.turns > 2 else super().left(gap)
+        return left if left < math.inf or self.turns >= TURNS else 0.0
 
     def projected(self, gap: float) -> float:
         """Work until ``gap`` where the turns go on to cost more, and gaps to shrink, by the same factors; 0 while little is known."""
-        works, gaps = zip(*self._seen[-5:], strict=True) if self._seen else ((), ())
+        first = self.turns - TURNS
+        while first > 0 and self._seen[first][1] <= self.gap:  # a point that is centred does not get on meanwhile
+            first -= 1
+        works, gaps = zip(*self._seen[max(first, 0) :], strict=True) if self._seen else ((), ())
         if len(gaps) < 3 or self.gap <= gap or gaps[0] == math.inf:
             return 0.0
         costs = [max(b - a, 1.0) for a, b in itertools.pairwise(works)]
-        growth, shrink = float(costs[-1] / costs[0]) ** (1 / (len(costs) - 1)), float(gaps[-1] / gaps[0]) ** (1 / len(costs))
+        half = len(costs) // 2
+        growth = (math.fsum(costs[-half:]) / math.fsum(costs[:half])) ** (1 / (len(costs) - half))
+        shrink = float(gaps[-1] / gaps[0]) ** (1 / len(costs))
         if not shrink < 1.0:
             return math.inf
         turns = math.log(gap / gaps[-1]) / math.log(shrink)
@@ -112,7 +118,7 @@ def play(game: Game) -> tuple[int, int]:
     alone, resting, cost, failures = False, 0.0, 0.0, 0
     while not (record.closed() or limits.reached()):
         steps, work, spent = methods[0].steps + methods[1].steps, methods[0].work + methods[1].work, 0.0 if point is None else point.work
-        costly = steps < ENOUGH_STEPS and pointed.projected(record.gap) > ENOUGH_STEPS * game.pass_work
+        costly = steps < ENOUGH_STEPS and pointed.left(record.gap) > ENOUGH_STEPS * game.pass_work
         leading = int(_faster(*paces, record.gap))
         if (
             alone
@@ -143,7 +149,7 @@ def play(game: Game) -> tuple[int, int]:
         limits.most_work = most
         if moved:
             cost = limits.work - begun
-            pointed.note(point.work, point.value, point.bound)
+            pointed.note(point.work, point.promised, point.bound)
             failures = 0
         elif limits.work - begun > 0.5 * allowed:
             failures += 1

@@ -13,6 +13,7 @@ from waybound.instances.sata.sensing_graph import graph_of_edges
 from waybound.reports.benchmarks.saddle import FAMILIES
 from waybound.solvers.engines.sata.saddle_steps.game import Game, Limits, Record
 from waybound.solvers.engines.sata.saddle_steps.interior_point import InteriorPoint
+from waybound.solvers.engines.sata.saddle_steps.normal_kernels import move_robots
 from waybound.solvers.engines.sata.saddle_steps.programs import Programs
 
 
@@ -62,6 +63,18 @@ def test_it_closes_the_gap_of_random_graphs(seed, make, make_game):
     closed(game)
     assert game.record.closed()
     assert game.record.value == pytest.approx(optimum(graph), rel=2e-5)
+
+
+def test_a_robot_that_cannot_go_the_whole_step_goes_part_of_it_and_has_the_value_of_the_central_path(make_game):
+    """Two robots of two actions each; the change takes the first one's second share below 0."""
+    layout = make_game(graph_of_edges([0, 0, 1, 1], [0, 1, 2, 3], [0, 1, 0, 1], np.ones(4), robots=2)).layout
+    worth, change, aim = np.array([1.0, 0.9, 0.5, 0.4]), np.array([0.3, -0.3, 0.1, -0.1]), 0.02
+    shares, slacks, values = np.array([0.8, 0.2, 0.7, 0.3]), np.empty(4), np.array([1.03, 0.525])
+    curved = move_robots(layout, worth, change, aim, 0.1, 0.1, shares, slacks, values)
+    assert curved == 1
+    assert shares == pytest.approx([0.98, 0.02, 0.8, 0.2])  # a tenth of the second share is left; the second robot goes all the way
+    assert slacks == pytest.approx(np.repeat(values, 2) - worth) and (aim / slacks[:2]).sum() == pytest.approx(1.0)
+    assert values[1] == 0.525
 
 
 def test_targets_may_end_without_a_price(make_game):

@@ -47,7 +47,16 @@ def test_levels_shrink_and_sum_what_they_join():
     sizes = [len(level.inverse) for level in cycle.levels]
     assert sizes[-1] <= COARSEST and all(2 * b <= a for a, b in pairwise(sizes))
     for fine, coarse in pairwise(cycle.levels):
-        assert fine.values.sum() == pytest.approx(coarse.values.sum())
+        assert fine.times(np.ones(len(fine.inverse))).sum() == pytest.approx(coarse.times(np.ones(len(coarse.inverse))).sum())
+
+
+def test_a_level_keeps_the_matrix_in_halves_of_its_rows():
+    matrix = laplacian(30, anisotropy=0.3)
+    level, vector = cycle_of(matrix).levels[0], np.random.default_rng(1).normal(size=900)
+    assert level.times(vector) == pytest.approx(matrix @ vector, rel=1e-5, abs=1e-5)
+    for row in range(900):
+        left, right = level.columns[level.starts[row] : level.middle[row]], level.columns[level.middle[row] : level.starts[row + 1] - 1]
+        assert (left < row).all() and (right > row).all() and level.columns[level.starts[row + 1] - 1] == row
 
 
 def test_a_matrix_in_which_nothing_can_be_joined_is_only_smoothed():
