@@ -5,8 +5,6 @@ Ctrl-C reaches the parent alone. Incumbents come through a pipe as they are foun
 writes to the folder for temporary files ends with it.
 """
 
-from __future__ import annotations
-
 import importlib
 import math
 import os
@@ -122,7 +120,7 @@ class _Child:
             return self._from_incumbents(f"the solver did not stop when asked and was ended{self.control.left}")
         return None
 
-    def _take(self, message: _Message) -> RawResult | None:
+    def _take(self, message: "_Message") -> RawResult | None:
         if message.kind == "searching":
             self.searching = time.perf_counter()
         elif message.kind == "set-up":

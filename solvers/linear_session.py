@@ -1,7 +1,5 @@
 """A linear program that is solved again and again with changed bounds, each time from the last basis."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from typing import Any

@@ -1,7 +1,5 @@
 """Options of one solver only, beside those that all share."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

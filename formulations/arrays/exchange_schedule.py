@@ -1,7 +1,5 @@
 """Schedules of exchanges: robots with small batteries take turns at places that are never to be left alone, and what is wrong with one."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple

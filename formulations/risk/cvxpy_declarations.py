@@ -1,7 +1,5 @@
 """Risk allocation declared with CVXPY: its canonical cone program becomes the data, so that CVXPY is needed once."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any

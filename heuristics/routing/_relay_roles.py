@@ -1,7 +1,5 @@
 """Roles of robots that explore with small batteries: who carries a map home, and who gives itself up for it."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Data of risk allocation from numpy arrays and pandas frames, whose labels are names: frames are put in order by them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """Maps of occupancy cells: of hidden Markov models whose rates are learnt, or of confidence that decays as periods of change are learnt."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Gaussian-mixture filter of a probability hypothesis density: how many targets there are, and where, from detections in discs."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, fields
 
@@ -29,11 +27,11 @@ class Mixture:
     means: Floats
     covariances: Floats
 
-    def part(self, rows: Flags | Integers) -> Mixture:
+    def part(self, rows: Flags | Integers) -> "Mixture":
         """The mixture of the given components alone."""
         return Mixture(self.weights[rows], self.means[rows], self.covariances[rows])
 
-    def joined(self, other: Mixture) -> Mixture:
+    def joined(self, other: "Mixture") -> "Mixture":
         """The components of both, its own first."""
         pairs = ((self.weights, other.weights), (self.means, other.means), (self.covariances, other.covariances))
         return Mixture(*(np.concatenate(pair) for pair in pairs))

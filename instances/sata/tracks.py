@@ -1,7 +1,5 @@
 """Tracks through the components of a filter, their motion by Gaussian processes, and the distance of two sets of points."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from dataclasses import dataclass, field

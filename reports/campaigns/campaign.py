@@ -1,7 +1,5 @@
 """Campaign files: which methods run on which instances, under which limits, and where the results go."""
 
-from __future__ import annotations
-
 import itertools
 import re
 import tomllib

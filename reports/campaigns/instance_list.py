@@ -1,7 +1,5 @@
 """The instances that a campaign names: bundled ones, files, and patterns of file names, found before anything is run."""
 
-from __future__ import annotations
-
 import fnmatch
 import hashlib
 import os

@@ -1,7 +1,5 @@
 """The results file: one SQLite database, to which each run is added whole or not at all."""
 
-from __future__ import annotations
-
 import contextlib
 import fcntl
 import os
@@ -65,7 +63,7 @@ class ResultsFile:
                 self._prepare()
             self._stack = opening.pop_all()
 
-    def __enter__(self) -> ResultsFile:
+    def __enter__(self) -> "ResultsFile":
         return self
 
     def __exit__(self, *fault: object) -> None:

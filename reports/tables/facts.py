@@ -1,7 +1,5 @@
 """Facts of a problem, as data and as a table."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from ...formulations.problem import Problem

@@ -1,7 +1,5 @@
 """OR-Tools CP-SAT: programs over integers, products of variables and circuits included, counted exactly in 64 bits."""
 
-from __future__ import annotations
-
 import math
 import threading
 import time

@@ -1,7 +1,5 @@
 """Evidence for bounds: one module per method, in the room of its family; those for every family stand here."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any

@@ -9,8 +9,6 @@ branching.
 Source: Land and Doig (1960); Achterberg, Koch, Martin (2005), "Branching rules revisited".
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from typing import Any

@@ -1,7 +1,5 @@
 """Bound ``linear-relaxation``: an LP solved for its row duals, which the checker multiplies out."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

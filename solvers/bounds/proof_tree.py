@@ -1,7 +1,5 @@
 """Trees that grow node by node until what their leaves prove reaches a target, whatever the nodes are proved by."""
 
-from __future__ import annotations
-
 import heapq
 import itertools
 import math
@@ -47,12 +45,12 @@ class Node:
         That for which its statement holds first.
     """
 
-    parent: Node | None
+    parent: "Node | None"
     decision: Decision | None = None
     bound: float = -math.inf
     evidence: Evidence | None = None
     own: float = -math.inf
-    children: tuple[Node, ...] = ()
+    children: "tuple[Node, ...]" = ()
 
     def above(self) -> Iterator[Any]:
         """The node and all above it but the root, upwards."""

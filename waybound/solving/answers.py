@@ -1,7 +1,5 @@
 """Answers as users give them, to start from or to be checked."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from os import PathLike
 from typing import Any

@@ -1,7 +1,5 @@
 """Verified bounds of a problem: before a search, beside it, and after it by every method that applies, within a budget."""
 
-from __future__ import annotations
-
 import math
 import os
 import threading
@@ -196,7 +194,7 @@ def bounded(problem: Problem, seconds: float, **settings: Any) -> Searched:
 
 def first_evidence(
     problem: Problem, seconds: float, linear: LinearPrograms | None = None, most: float = 0.0, uncompiled: list[str] | None = None
-) -> tuple[list[Evidence], Goal | None]:
+) -> "tuple[list[Evidence], Goal | None]":
     """Evidence found within ``seconds``, and the goal that it sets for a search with the gap ``most``; large problems set none.
 
     Nothing is compiled for it: ``uncompiled`` receives the names of the methods that this leaves out.

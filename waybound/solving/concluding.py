@@ -1,7 +1,5 @@
 """Makes a solution of the result of a search: nothing is believed that was not checked."""
 
-from __future__ import annotations
-
 import math
 import platform
 import time
@@ -74,7 +72,7 @@ def conclude(
 
 def _judged(
     problem: Problem, run: Run, searched: Searched, control: Control, options: Options, bounding: Bounding, crash: Exception | None
-) -> Conclusion:
+) -> "Conclusion":
     """The best of the engine's last word, its published incumbent and the start, before anything bounds it."""
     result = searched.result
     exactness = Exactness.NEITHER if run.heuristic else run.exactness.then(result.holds)

@@ -4,8 +4,6 @@ The best answer that passes every check is kept. A claim that what was checked c
 that it does not speak of.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Bounds of objectives in order of priority: level by level, as long as those before are closed."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence

@@ -1,7 +1,5 @@
 """Records a search as it goes: every better answer and bound, the time since ``solve`` was called, and the method that found it."""
 
-from __future__ import annotations
-
 import math
 import threading
 import time

@@ -3,8 +3,6 @@
 It goes to a file, to standard error, or into the cell of a notebook.
 """
 
-from __future__ import annotations
-
 import contextlib
 import html
 import math
@@ -65,7 +63,7 @@ class SearchLog:
         self._pending, self._due, self._answered = "", math.inf, -math.inf
         self._bounder: tuple[str, str] | None = None
 
-    def __enter__(self) -> SearchLog:
+    def __enter__(self) -> "SearchLog":
         threading.Thread(target=self._run, name="waybound-log", daemon=True).start()
         return self
 

@@ -8,8 +8,6 @@ With prices p, and K pairs asked for, n robots and m bins, every assignment of K
 since it pays at most the prices of all bins. Prices are at least 0, unless K = m: then each is paid, and prices are free.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

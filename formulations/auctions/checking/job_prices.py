@@ -11,8 +11,6 @@ part (Dantzig 1957).
 With a weight y_i >= 0 an agent, not all jobs can be done if sum_j min_i y_i a_ij > sum_i y_i b_i.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

@@ -4,8 +4,6 @@ Costs are whole multiples of a power of two, rounded down, and multipliers are s
 docs/proofs.md#labels-in-whole-numbers.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

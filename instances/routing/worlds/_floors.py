@@ -1,7 +1,5 @@
 """Floors that robots explore: rooms, mazes, blocks, and maps from files."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -1,7 +1,5 @@
 """A field with hotspots, and an aerial robot that takes pictures of it from several altitudes while its time lasts."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """A plume of grid cells that drifts over a plane, and robots that find out where it is by flying over it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass

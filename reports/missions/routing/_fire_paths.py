@@ -1,7 +1,5 @@
 """Cheapest paths round a fire, over cells that cost more the nearer they are to it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

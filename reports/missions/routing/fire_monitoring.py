@@ -1,7 +1,5 @@
 """Fire monitoring: an aircraft keeps returning to the hotspots of a moving fire front, so that none waits long."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Plume exploration: robots fly over a drifting plume of unknown shape until every cell of it was visited, and return."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence

@@ -1,7 +1,5 @@
 """The chance that the cheapest of several paths costs less than x, after Skeele (2016), section 5.3 and Fig. 5.2."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Sets of non-dominated paths on random roadmaps: how many there are, and how long searches take, after Skeele (2016), section 5.5.1."""
 
-from __future__ import annotations
-
 import time
 from typing import Any
 

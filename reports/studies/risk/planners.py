@@ -1,7 +1,5 @@
 """Planners of least risk on random maps, after Xiao (2019), section 4.2.2: sums of risks, and labels that look back."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Reward per risk by two stages and exactly, on random maps, after Xiao (2019), sections 4.2.2.2 and 4.3."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from ....formulations.risk.risky_path import RiskyPath

@@ -1,7 +1,5 @@
 """The tables of Xiao (2019): risks of a worked example and of two flown paths, and how often these failed."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from itertools import pairwise

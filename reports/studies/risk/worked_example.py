@@ -1,7 +1,5 @@
 """The worked example of risk-aware graph search, Skeele (2016), section 5.5: five paths, and the risks of three choices."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

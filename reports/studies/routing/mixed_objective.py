@@ -1,7 +1,5 @@
 """Reward and makespan in one sum, after Mitchell (2020), section 5.5.4: how often the printed weight gives up reward for makespan."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

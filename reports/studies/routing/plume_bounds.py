@@ -1,7 +1,5 @@
 """Theorems on exploring plumes, after Sung (2019), chapter 4: their formulas, and shapes on which some of them fail."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from itertools import pairwise

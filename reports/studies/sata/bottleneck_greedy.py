@@ -1,7 +1,5 @@
 """Greedy on the bottleneck problem, after Sung (2019), appendix A.3: the printed counterexample, and some that are."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from ....formulations.sata.bottleneck_sata import BottleneckSATA

@@ -1,7 +1,5 @@
 """Rounds of communication of greedy and of the local algorithm, after Sung (2019), sections 3.4 and 3.5."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from ....formulations.sata.bottleneck_sata import BottleneckSATA

@@ -3,8 +3,6 @@
 Optimum, rounding, greedy, local algorithm and random choice, after Sung (2019), figures 3.6 to 3.8.
 """
 
-from __future__ import annotations
-
 import math
 import zlib
 from collections.abc import Callable, Mapping, Sequence

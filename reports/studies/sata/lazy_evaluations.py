@@ -1,7 +1,5 @@
 """Evaluations of lazy greedy beside plain greedy on coverage, after Mitchell (2020), section 5.3 and Algorithm 5."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Tracking by the bottleneck: the local algorithm beside the optimum, after Sung (2019), section 3.5.3."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Tracking: greedy against the force vectors of Parker, after Sung (2019), section 3.5.4."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """Tables of risk allocations: budgets, and the risks of an answer."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from ....formulations.rendering import number, percent

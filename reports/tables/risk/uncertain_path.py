@@ -1,7 +1,5 @@
 """Tables of graphs of uncertain edge costs."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from .. import TABLES, Tables

@@ -1,7 +1,5 @@
 """Bound ``endless-ray``: a direction in which the objective of a program improves for ever, and a point to begin at."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from fractions import Fraction

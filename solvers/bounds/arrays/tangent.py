@@ -1,7 +1,5 @@
 """Bound ``tangent``: a convex quadratic program, linearised at its optimum."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

@@ -1,7 +1,5 @@
 """Bound ``convex-allocation``: prices of the convex program of decisions and risks, or of each constraint with all of its budgets."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Routes of negative reduced cost: whole numbers for the labels of ``label_kernels``, from both ends of the routes."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """Engine ``interval-scheduling``: days in the orchard as intervals of trips, of which no more overlap than there are robots."""
 
-from __future__ import annotations
-
 import threading
 import time
 from typing import Any, ClassVar

@@ -1,7 +1,5 @@
 """Selection problems on which greedy rules do as badly as is known, with their optima by construction."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
