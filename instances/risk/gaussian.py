@@ -79,16 +79,8 @@ class Dynamics:
 class Quantities:
     """Jointly Gaussian quantities ``y ~ N(map x + offset, covariance)`` of decisions x.
 
-    Parameters
-    ----------
-    map : array of shape (quantities, decisions)
-    offset : array of shape (quantities,)
-    covariance : array of shape (quantities, quantities)
-        Positive semidefinite.
-    dynamics : Dynamics, optional
-        Where they come from.
-    checked : bool
-        Whether the covariance is known to be one.
+    ``map`` has shape (quantities, decisions); ``covariance`` is positive semidefinite, and ``checked`` says that this is known.
+    ``dynamics`` are where they come from.
     """
 
     map: Floats

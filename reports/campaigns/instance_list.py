@@ -21,16 +21,9 @@ _PATTERN = "*?["
 
 @dataclass(frozen=True)
 class Named:
-    """An instance as a campaign names it.
+    """An instance as a campaign names it: a bundled one, or a file as the campaign says it, whose name goes without its suffix.
 
-    Parameters
-    ----------
-    name : str
-        That of a bundled instance, or of the file without its suffix.
-    file : str
-        As the campaign says it.
-    hash : str
-        SHA-256 of the file's bytes: a file that changes is another instance.
+    ``hash`` is SHA-256 of the file's bytes: a file that changes is another instance.
     """
 
     name: str

@@ -47,18 +47,8 @@ DOCUMENTS = ("solution", "certificate", "history")
 class Task:
     """A run, as it is sent to the process that does it.
 
-    Parameters
-    ----------
-    path : str
-        The instance's file, or the name of a bundled one.
-    folder : str
-        What paths in the setting are relative to.
-    overtime : float, seconds
-        After all limits, before it is ended.
-    hash : str
-        SHA-256 of the instance's file when the run was planned; "" if anything goes.
-    modules : tuple of str
-        Imported before it.
+    ``path`` is the instance's file, relative to ``folder``, or the name of a bundled one, and ``hash`` SHA-256 of that file when the run
+    was planned ("" if anything goes). It is ended ``overtime`` seconds after all limits; ``modules`` are imported before it.
     """
 
     path: str

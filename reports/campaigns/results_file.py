@@ -39,15 +39,10 @@ _ADDED = (*COLUMNS, "instance", "setting", "seed", "environment")
 
 
 class ResultsFile:
-    """A results file, open for one campaign; a context manager.
+    """A results file, open for one campaign, and made where it is not there; a context manager.
 
     Raises InputError for a file that is damaged, none of ours, of a newer schema, or cannot be written; UsageError while another campaign
     writes to it.
-
-    Parameters
-    ----------
-    path : Path
-        Made where it is not there.
     """
 
     def __init__(self, path: Path) -> None:

@@ -20,18 +20,11 @@ MANY = 20_000
 
 @dataclass(frozen=True)
 class MethodSummary:
-    """One method over a campaign.
+    """One method over a campaign: its runs, the answers that count, optima by a verified bound (``proved``) or by its own word
+    (``claimed``), and runs that ended in an error.
 
-    Attributes
-    ----------
-    runs, answers, proved, claimed, errors : int
-        Runs in all; answers that count; optima by a verified bound, and by the method's own word; runs that ended in an error.
-    gap_to_best, gap_to_known, gap_to_bound : float or None
-        Means over the common cases: to the best answer of all, the best known value, and the best verified bound.
-    seconds : float or None
-        Shifted geometric mean of the search, over the common cases.
-    primal_integral : float or None, seconds
-        Mean over the common cases.
+    All else is over the common cases: mean gaps to the best answer of all, the best known value and the best verified bound, the shifted
+    geometric mean of the search's seconds, and the mean primal integral in seconds.
     """
 
     method: str

@@ -31,18 +31,8 @@ SWEEP = 256
 class Node:
     """A node; bounds are those of a minimisation.
 
-    Attributes
-    ----------
-    decision : Decision or None
-        What it adds to the decisions of its parent.
-    bound : float
-        Verified: its own or the best above it.
-    evidence : Evidence or None
-        What proves ``own``.
-    own : float
-        What its own evidence proves.
-    children : tuple of Node
-        That for which its statement holds first.
+    It adds ``decision`` to the decisions of its parent; its ``evidence`` proves ``own``, and ``bound`` is the best of its own and those
+    above it. Of its children that comes first for which its statement holds.
     """
 
     parent: "Node | None"

@@ -31,17 +31,9 @@ CLAIM_TOLERANCE = 1e-5
 class Claim:
     """Claims of a search about a problem.
 
-    Parameters
-    ----------
-    exactness : Exactness
-        How what is said relates to the problem; of a heuristic, which is ``NEITHER``, no word is a claim.
-    own : Evaluation, optional
-        Of the answer that it hands over.
-    prices : bool
-        Whether its objective is meant for the problem's.
-    program : Program, optional
-        That was searched. What solvers count as 1 in its objective is the least size of a sum: where all terms vanish or cancel, theirs
-        are off by a part of it.
+    ``exactness`` says how what is said relates to the problem: of a heuristic, which is ``NEITHER``, no word is a claim. ``own`` is the
+    evaluation of the answer that it hands over, ``prices`` whether its objective is meant for the problem's. What solvers count as 1 in the
+    objective of the ``program`` searched is the least size of a sum: where all terms vanish or cancel, theirs are off by a part of it.
     """
 
     solver: str
@@ -185,18 +177,9 @@ def _beaten(claim: Claim, senses: Sequence[str], best: Evaluation, level: int, v
 class Judge:
     """Decodes and judges candidates one by one; a fault in one costs none of the others.
 
-    Attributes
-    ----------
-    exactness : Exactness
-        How the solver's points relate to the problem's answers.
-    decode : callable
-        From the solver's raw answer to the problem's.
-    crash : exception, optional
-        What ended the search before it left anything.
-    program : Program, optional
-        That was searched.
-    own : Evaluation, optional
-        Of the answer that the solver's own result hands over.
+    ``exactness`` says how the solver's points relate to the problem's answers, ``decode`` makes one of the other. ``crash`` is what ended
+    the search before it left anything, ``program`` what was searched, if any, and ``own`` the evaluation of the answer in the solver's own
+    result.
     """
 
     problem: Problem

@@ -100,17 +100,9 @@ class Solved:
 class ColumnGeneration:
     """The routes at hand, the cuts, and the linear program over them, for all nodes of one tree.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-    partition : SetPartition
-        Costs are counted in ``unit`` of them from here on, so that they are about a thousand, as tolerances of linear programs ask for.
-    stop : Stop
-    enough : callable
-        Whether a bound, in ``unit``, is all that is asked for.
-    seed : int
-    most : mapping, optional
-        ``columns``, ``labels``, ``memory``, ``memory_limit`` and ``stabilisation`` other than the usual ones.
+    Costs of the ``partition`` are counted in ``unit`` of them from here on, so that they are about a thousand, as tolerances of linear
+    programs ask for. ``enough`` says whether a bound, in ``unit``, is all that is asked for; ``most`` has ``columns``, ``labels``,
+    ``memory``, ``memory_limit`` and ``stabilisation`` other than the usual ones.
     """
 
     def __init__(

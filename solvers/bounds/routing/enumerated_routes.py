@@ -121,18 +121,8 @@ class _Case(Node):
 class ChoiceTree(ProofTree[_Case]):
     """A tree over all routes that a better answer can have; branchings are on two customers being on one route (Ryan, Foster 1981).
 
-    Parameters
-    ----------
-    columns : ColumnGeneration
-    part : Part
-    solved : Solved
-        The rows and loads that have prices here are those that it begins with.
-    every : Pool
-        Each set of customers once.
-    goal : callable
-        The value that is to be proved, in units of costs; lower once a better answer is known.
-    on_answer : callable
-        Hears of whole choices.
+    It begins with the rows and loads that have prices in ``solved``. ``every`` has each set of customers once, ``goal`` is the value to be
+    proved, in units of costs, lower once a better answer is known, and ``on_answer`` hears of whole choices.
     """
 
     def __init__(

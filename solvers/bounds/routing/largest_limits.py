@@ -194,22 +194,9 @@ def _within(partition: SetPartition, limiting: SetPartition) -> SetPartition:
 class LimitSearch:
     """Bisection between the largest limit that no answer keeps and the best answer, both of which stand at any time.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-        For which ``lacks_one_peak`` is empty.
-    stop : Stop
-    seed : int
-    answer : Routes, optional
-        The best so far.
-    value : float, optional
-        Its value, or that of another one.
-    most : mapping
-        Those of ``ColumnGeneration``.
-    gap : float
-        Part of the value that may stay open.
-    on_answer, on_step : callables
-        They hear of better answers with their values, and of the bound after some work.
+    For problems for which ``lacks_one_peak`` is empty. ``value`` is that of the answer, or of another one, ``gap`` the part of it that may
+    stay open, and ``most`` goes to ``ColumnGeneration``. ``on_answer`` hears of better answers with their values, ``on_step`` of the bound
+    after some work.
     """
 
     def __init__(
