@@ -93,6 +93,11 @@ class Figure:
     size: tuple[float, float] = (8.0, 5.0)
 
 
+def figure(name: str, width: float, height: float) -> Callable[[Callable[..., None]], Callable[..., Figure]]:
+    """Make of ``draw(figure, ...)`` a function that returns the figure of its other arguments, of a size in inches."""
+    return lambda draw: lambda *data: Figure(name, lambda canvas: draw(canvas, *data), (width, height))
+
+
 @dataclass(frozen=True)
 class Clip:
     """A film to be played when it is wanted, and a sentence of what it shows."""

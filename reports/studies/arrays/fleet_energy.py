@@ -19,7 +19,7 @@ from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, NOT, SIGN, UNDECIDED, Finding
 from ..frames import HALF, apart, film_of, frame_table, mean_interval, times_apart
 from ..processes import called, spread
-from ..study import Clip, Fault, Figure, Report, StudySetting, study, thinned
+from ..study import Clip, Fault, Report, StudySetting, figure, study, thinned
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -208,25 +208,22 @@ def findings(runs: pd.DataFrame) -> list[Finding]:
     return found
 
 
-def supported_figure(seed: int) -> Figure:
+@figure("fleet-energy", 7.0, 4.6)
+def supported_figure(figure: Any, seed: int) -> None:
     """Jobs for ever that a fleet of 26 supports, and its estimate of the charging time, over the run."""
-
-    def draw(figure: Any) -> None:
-        mission = FleetEnergy()
-        trace: list[tuple[float, float, float]] = []
-        run(
-            mission, seed=seed, policy="one-by-one", **PLAYS["26 robots, charge believed short"],
-            watch=lambda world, row: trace.append((world.time / 6.0, len(mission.taken), mission.charge / 6.0)),
-        )  # fmt: skip
-        minutes, jobs, charge = np.array(trace[1:]).T
-        above, below = figure.subplots(2, 1, sharex=True)
-        above.step(minutes, jobs, color=COLOURS[0], where="post")
-        above.set_ylim(0, 3.5)
-        below.plot(minutes, charge, color=COLOURS[3])
-        below.axhline(40.0, color=COLOURS[8], linestyle=":", linewidth=1.0)
-        below.set_ylim(0, 45)
-        below.set_xlabel("minutes", fontsize=9)
-        plain(above, "jobs for ever that are supported")
-        plain(below, "charging time, minutes: estimate, and the true mean")
-
-    return Figure("fleet-energy", draw, (7.0, 4.6))
+    mission = FleetEnergy()
+    trace: list[tuple[float, float, float]] = []
+    run(
+        mission, seed=seed, policy="one-by-one", **PLAYS["26 robots, charge believed short"],
+        watch=lambda world, row: trace.append((world.time / 6.0, len(mission.taken), mission.charge / 6.0)),
+    )  # fmt: skip
+    minutes, jobs, charge = np.array(trace[1:]).T
+    above, below = figure.subplots(2, 1, sharex=True)
+    above.step(minutes, jobs, color=COLOURS[0], where="post")
+    above.set_ylim(0, 3.5)
+    below.plot(minutes, charge, color=COLOURS[3])
+    below.axhline(40.0, color=COLOURS[8], linestyle=":", linewidth=1.0)
+    below.set_ylim(0, 45)
+    below.set_xlabel("minutes", fontsize=9)
+    plain(above, "jobs for ever that are supported")
+    plain(below, "charging time, minutes: estimate, and the true mean")

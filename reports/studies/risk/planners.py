@@ -15,7 +15,7 @@ from ...plots.risk.risky_path import plot_risky_path
 from ..findings import LOST, Finding
 from ..frames import HALF, frame_table, mean_interval
 from ..processes import spread
-from ..study import Figure, Report, StudySetting, study
+from ..study import Report, StudySetting, figure, study
 
 PLANNERS: dict[str, Request] = {
     "additive": Request(heuristic="additive-risk", bound_time=0.0),
@@ -109,15 +109,12 @@ def findings(rows: list[dict[str, Any]]) -> list[Finding]:
     return found
 
 
-def _figure(row: dict[str, Any]) -> Figure:
+@figure("risky-planners", 9.6, 4.2)
+def _figure(figure: Any, row: dict[str, Any]) -> None:
     """The paths of the additive planner and of least risk on the map where they lie farthest apart."""
-
-    def draw(figure: Any) -> None:
-        problem = map_of(row["seed"], row["kind"])
-        ways = {"additive planner": solve(problem, PLANNERS["additive"]), "least risk": solve(problem, LEAST)}
-        for k, (ax, (name, way)) in enumerate(zip(figure.subplots(1, 2), ways.items(), strict=True)):
-            plot_risky_path(problem, way.answer, ax=ax, title=name)
-            plain(ax, f"{name}: {way.objective:.3f}")
-            ax.title.set_color(COLOURS[k])
-
-    return Figure("risky-planners", draw, (9.6, 4.2))
+    problem = map_of(row["seed"], row["kind"])
+    ways = {"additive planner": solve(problem, PLANNERS["additive"]), "least risk": solve(problem, LEAST)}
+    for k, (ax, (name, way)) in enumerate(zip(figure.subplots(1, 2), ways.items(), strict=True)):
+        plot_risky_path(problem, way.answer, ax=ax, title=name)
+        plain(ax, f"{name}: {way.objective:.3f}")
+        ax.title.set_color(COLOURS[k])

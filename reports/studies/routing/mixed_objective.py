@@ -15,7 +15,7 @@ from ...plots.drawing import COLOURS, plain
 from ..findings import Finding
 from ..frames import frame_table
 from ..processes import spread
-from ..study import Figure, Report, StudySetting, broken, study
+from ..study import Report, StudySetting, broken, figure, study
 
 SITES, SIDE, LIMIT = 5, 10.0, 18.0
 """Waypoints, side of the square whose corner is the depot, and the limit of the route."""
@@ -94,17 +94,14 @@ def mixed_objective(setting: StudySetting) -> Report:
     )  # fmt: skip
 
 
-def _figure(observations: list[dict[str, Any]]) -> Figure:
+@figure("mixed-objective", 7.0, 3.4)
+def _figure(figure: Any, observations: list[dict[str, Any]]) -> None:
     """Reward and makespan given up by each optimum of the sum."""
-
-    def draw(figure: Any) -> None:
-        ax = figure.subplots()
-        for k, kind in enumerate(KINDS):
-            own = [row for row in observations if row["rewards"] == kind]
-            x, y = ([row[key] - row[f"printed_{key}"] for row in own] for key in ("makespan", "reward"))
-            ax.plot(x, y, "os"[k], color=COLOURS[k], alpha=0.6, markersize=4, label=f"rewards {kind}")
-        ax.set_xlabel("makespan saved", fontsize=9)
-        ax.legend(frameon=False, fontsize=8)
-        plain(ax, "reward given up by the sum")
-
-    return Figure("mixed-objective", draw, (7.0, 3.4))
+    ax = figure.subplots()
+    for k, kind in enumerate(KINDS):
+        own = [row for row in observations if row["rewards"] == kind]
+        x, y = ([row[key] - row[f"printed_{key}"] for row in own] for key in ("makespan", "reward"))
+        ax.plot(x, y, "os"[k], color=COLOURS[k], alpha=0.6, markersize=4, label=f"rewards {kind}")
+    ax.set_xlabel("makespan saved", fontsize=9)
+    ax.legend(frameon=False, fontsize=8)
+    plain(ax, "reward given up by the sum")

@@ -17,7 +17,7 @@ from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
 from ..frames import apart, film_of, frame_table, intervals, mean_interval, times_apart
 from ..processes import spread
-from ..study import Clip, Figure, Report, StudySetting, study
+from ..study import Clip, Report, StudySetting, figure, study
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -178,17 +178,14 @@ def findings(flights: pd.DataFrame, loops: pd.DataFrame) -> list[Finding]:
     return found
 
 
-def loop_figure(loops: pd.DataFrame) -> Figure:
+@figure("search-and-track", 11.0, 3.6)
+def loop_figure(figure: Any, loops: pd.DataFrame) -> None:
     """OSPA, targets found and largest covariance of each way to decide, with intervals; what plans lose in the last panel."""
-
-    def draw(figure: Any) -> None:
-        panels = {"ospa": "OSPA, m", "found": "targets found", "variance": "largest trace, m2", "lost": "plans below the optimum, %"}
-        for ax, (key, title) in zip(figure.subplots(1, len(panels)), panels.items(), strict=True):
-            for k, name in enumerate(LOOPS):
-                mean, half = mean_interval(loops[loops["method"] == name][key].dropna())
-                ax.bar(k, mean, 0.8, yerr=half, color=COLOURS[k], label=name, capsize=2.0)
-            ax.set_xticks([])
-            plain(ax, title)
-        figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False, fontsize=9)
-
-    return Figure("search-and-track", draw, (11.0, 3.6))
+    panels = {"ospa": "OSPA, m", "found": "targets found", "variance": "largest trace, m2", "lost": "plans below the optimum, %"}
+    for ax, (key, title) in zip(figure.subplots(1, len(panels)), panels.items(), strict=True):
+        for k, name in enumerate(LOOPS):
+            mean, half = mean_interval(loops[loops["method"] == name][key].dropna())
+            ax.bar(k, mean, 0.8, yerr=half, color=COLOURS[k], label=name, capsize=2.0)
+        ax.set_xticks([])
+        plain(ax, title)
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False, fontsize=9)
