@@ -18,11 +18,11 @@ from ..evidence import Evidence
 from ..problem import PROBLEMS, Problem, refuse_settings
 from ..references import is_number, vector_of
 from ..tolerance import VECTOR
+from .bottleneck_sata import BottleneckSATA
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from .bottleneck_sata import BottleneckSATA
 
 Floats = NDArray[np.float64]
 

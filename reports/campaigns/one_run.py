@@ -1,7 +1,5 @@
 """One run of a campaign: an instance is read, solved within its limits, and recorded as one row with its documents."""
 
-from __future__ import annotations
-
 import importlib
 import json
 import os
@@ -13,17 +11,15 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..._version import __version__
 from ...formulations.json_text import finite
+from ...formulations.solution import Solution
 from ...instances.errors import InputError, NoAnswerError, WayboundError, in_words
 from .instance_list import hash_of
 from .own_modules import import_modules
 from .setting import Setting
-
-if TYPE_CHECKING:
-    from ...formulations.solution import Solution
 
 COLUMNS = {
     "problem": "TEXT", "sense": "TEXT", "convention": "TEXT", "form": "TEXT", "instance_hash": "TEXT", "status": "TEXT", "limit": "TEXT",

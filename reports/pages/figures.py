@@ -7,10 +7,11 @@ import io
 import re
 from typing import TYPE_CHECKING, Any
 
+from .rendering import Rendering
+
 if TYPE_CHECKING:
     from markupsafe import Markup
 
-    from .rendering import Rendering
 
 _TAG = re.compile(r"<[^>]*>")
 _IDS = re.compile(r'( id="|href="#|url\(#)')

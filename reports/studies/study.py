@@ -1,18 +1,14 @@
 """The contract of studies: what they are asked, and what they bring back."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...instances.instance import Instance
 from ...instances.registry import Registry
+from ..missions.animation import Film
 from ..tables.table import Table
 from .findings import FINDINGS, REPRODUCED, SIGN, Finding
-
-if TYPE_CHECKING:
-    from ..missions.animation import Film
 
 Told = Callable[[int, int, str], None]
 """``told(done, total, what)`` receives the progress of a study."""

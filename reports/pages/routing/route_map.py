@@ -11,6 +11,7 @@ import numpy as np
 from ....formulations.rendering import number
 from ....formulations.routing.problem import RoutingProblem
 from ....formulations.routing.routes import Routes
+from ....formulations.solution import Solution
 from ....instances.clock import moment_told
 from ....instances.errors import UsageError
 from ....instances.printable import printable
@@ -25,7 +26,6 @@ from ..rendering import Block, Rendering
 if TYPE_CHECKING:
     from markupsafe import Markup
 
-    from ....formulations.solution import Solution
 
 WIDTH, LEAST_HEIGHT, MOST_HEIGHT, MARGIN = 1000.0, 420.0, 820.0, 36.0
 """Width, height and margin of the map, in its own units."""

@@ -1,18 +1,12 @@
 """Bound ``assignment-prices``: prices of an auction for sums of costs; robots and bins that meet all cheap pairs for the largest cost."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
+from ....formulations.auctions.bin_assignment import BinAssignment
 from ....formulations.evidence import Evidence
 from ....formulations.stop import Stop
 from ...engines.auctions.assignment_steps.auction import auction
 from ...engines.auctions.threshold_matching import least_threshold
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family
-
-if TYPE_CHECKING:
-    from ....formulations.auctions.bin_assignment import BinAssignment
 
 
 def compute(problem: BinAssignment, stop: Stop, linear: LinearPrograms) -> Evidence | None:

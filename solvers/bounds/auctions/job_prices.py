@@ -1,22 +1,17 @@
 """Bound ``job-prices``: Lagrangean relaxation of generalised assignments, from the duals of the linear program on."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ....formulations.auctions.generalised_assignment import GeneralisedAssignment
 from ....formulations.evidence import Evidence
 from ....formulations.stop import Stop
 from ....formulations.verified_bounds import verified_bound
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family
 from ..linear_relaxation import linear_relaxation_bound
-
-if TYPE_CHECKING:
-    from ....formulations.auctions.generalised_assignment import GeneralisedAssignment
 
 Floats = NDArray[np.float64]
 Longs = NDArray[np.int64]

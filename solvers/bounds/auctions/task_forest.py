@@ -1,19 +1,13 @@
 """Bound ``task-forest``: prices of tasks and robots by projected subgradients, for the evidence of the same name."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
+from ....formulations.auctions.task_allocation import TaskAllocation
 from ....formulations.evidence import Evidence
 from ....formulations.stop import Stop
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family
-
-if TYPE_CHECKING:
-    from ....formulations.auctions.task_allocation import TaskAllocation
 
 Floats = NDArray[np.float64]
 

@@ -1,23 +1,18 @@
 """Bound ``assignment``: the cheapest assignment of one predecessor and one successor to each customer, as evidence ``arc-multipliers``."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....formulations.evidence import Evidence
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import NEVER, Stop, Stopped
 from ....formulations.verified_bounds import verified_bound
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family
 from .arcs import Arcs, Floats, arc_costs, by_site, lacks_arc_costs
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
 
 STEPS_PER_SECOND = 4e9
 """Cubes of the number of nodes that fit in a second of the budget, with a wide margin: 1,000 nodes take 0.1 s, prices twice that."""

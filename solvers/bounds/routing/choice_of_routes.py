@@ -1,13 +1,11 @@
 """Bound ``branch-price-cut``: of sums over routes by one tree, of the largest of all routes by trees for limits of it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from ....formulations.evidence import Evidence
 from ....formulations.routing.checking.known_features import unknown_features
 from ....formulations.routing.objective import PEAKS
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.routing.routes import Routes
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
@@ -15,9 +13,6 @@ from .. import BOUNDS, BoundMethod, of_family
 from .branch_price_cut import CUSTOMERS, KERNELS, SHARED, branch_price_cut_bound, opening_answer
 from .largest_limits import LimitSearch
 from .set_partition import lacks_route_costs
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
 
 
 def holds_peaks(problem: RoutingProblem) -> bool:

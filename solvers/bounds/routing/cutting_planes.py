@@ -5,10 +5,7 @@ edges of each customer; others come in where their reduced cost is negative. Dua
 with them, which the checker does.
 """
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,15 +13,13 @@ from ....formulations.evidence import Evidence
 from ....formulations.programs.program import Program, Rows, Variables
 from ....formulations.routing.checking.known_features import without_stops
 from ....formulations.routing.checking.vehicle_moves import VehicleMoves, alike, constants, needed_routes, terms_of
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
 from ...linear_session import LinearSession
 from .. import BOUNDS, BoundMethod, of_family
 from .arcs import Flags, Floats, Longs, by_site, lacks_arc_costs, too_many_arcs
 from .knapsack import lacks_rewards
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
 
 NEIGHBOURS = 8
 """Edges of each node that the first program has at least."""

@@ -1,21 +1,17 @@
 """Bound ``deviation-chord``: the best evidence that other methods find for the same problem with certain durations in place of risks."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ....formulations.evidence import Evidence
 from ....formulations.routing.checking.deviation_chord import KIND, lacks_chord, without_risks
 from ....formulations.routing.checking.route_limits import limits_of
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import NEVER, Stop
 from ....formulations.verified_bounds import better_bound, verified_bound
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family, replaced
 from . import branch_price_cut, spanning_tree, state_space
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
 
 PART = 0.2
 """Part of the time left that each method gets, but the last ones (branch, price and cut, where it applies)."""

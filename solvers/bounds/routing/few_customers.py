@@ -4,11 +4,8 @@
 against costs: limits on it divide the answers, and are found here.
 """
 
-from __future__ import annotations
-
 import heapq
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,13 +14,11 @@ from ....formulations.routing.checking.all_routes import MOST, MOST_ORDERS, orde
 from ....formulations.routing.checking.customer_sets import CUSTOMERS, LIMITS, WORK, CustomerSets, joined_peak
 from ....formulations.routing.checking.known_features import unknown_features, without_stops
 from ....formulations.routing.checking.vehicle_moves import terms_of
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import NEVER, Stop, until
 from ....formulations.verified_bounds import verified_bound
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
 
 PER_SECOND = 2e8
 """Sets that are joined in a second."""

@@ -1,20 +1,15 @@
 """Bounds ``infeasible-site``, ``too-few-vehicles`` and ``too-small-fleet``: proofs, before any search, that a problem has no answer."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
 
 from ....formulations.evidence import Evidence
 from ....formulations.routing.fleet_need import fleet_conflicts
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.routing.reachability import servable_alone
 from ....formulations.stop import NEVER, Stop
 from ....formulations.verified_bounds import verified_bound
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
 
 MOST_SITES = 200
 """Sites up to which a fleet is examined: this costs time even where the problem has an answer."""

@@ -1,22 +1,16 @@
 """Bound ``knapsack``: the best price of the resource of which visits take most, for the evidence of the same name."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ....formulations.evidence import Evidence
 from ....formulations.routing.checking.knapsack import check_knapsack, needs
 from ....formulations.routing.checking.known_features import RESOURCES, unknown_features, without_stops
 from ....formulations.routing.checking.vehicle_moves import terms_of
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family
 from .arcs import too_many_arcs
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
 
 
 def lacks_rewards(problem: RoutingProblem) -> frozenset[str]:

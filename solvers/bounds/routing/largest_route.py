@@ -1,14 +1,12 @@
 """Bounds ``farthest-round-trip`` and ``averaged-tour`` on the largest of all routes, for the evidence of the same names."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
 
 from ....formulations.evidence import Evidence
 from ....formulations.routing.checking.known_features import unknown_features, without_stops
 from ....formulations.routing.checking.round_trips import check_farthest_round_trip, totals
 from ....formulations.routing.objective import PEAKS
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import NEVER, Stop
 from ....formulations.verified_bounds import verified_bound
 from ...linear_programs import LinearPrograms
@@ -16,9 +14,6 @@ from .. import BOUNDS, BoundMethod, of_family
 from .arcs import lacks_arc_costs, too_many_arcs
 from .spanning_tree import spanning_tree_bound
 from .state_space import state_space_bound
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
 
 
 def lacks_peaks(problem: RoutingProblem) -> frozenset[str]:

@@ -3,22 +3,17 @@
 The checkers look at all sites, and read nothing of the evidence.
 """
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
 
 from ....formulations.evidence import CHECKERS, Evidence
 from ....formulations.routing.checking.known_features import unknown_features, without_stops
 from ....formulations.routing.checking.load_shares import by_coordinates
 from ....formulations.routing.checking.vehicle_moves import terms_of
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family
 from .arcs import too_many_arcs
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
 
 SOURCES = {"load-shares": "round trips shared by loads", "nearest-moves": "least moves at each site"}
 

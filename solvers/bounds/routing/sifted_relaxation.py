@@ -1,29 +1,25 @@
 """Bound ``sifted-relaxation``: the linear relaxation of a routing problem, begun with the nearest moves of each customer."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ....formulations.evidence import Evidence
 from ....formulations.forms import FORMS
+from ....formulations.problem import Problem
 from ....formulations.programs.size import ProgramSize
+from ....formulations.routing.preparation import Preparation, Resource
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import NEVER, Stop
 from ....formulations.verified_bounds import verified_bound
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family
 from ..linear_relaxation import ENTRIES_PER_SECOND
 from .arcs import Flags, Floats, lacks_arc_costs, too_many_arcs
-
-if TYPE_CHECKING:
-    from ....formulations.problem import Problem
-    from ....formulations.routing.preparation import Preparation, Resource
-    from ....formulations.routing.problem import RoutingProblem
 
 FORM = "two-index-time-flow"
 """The strongest of the two-index forms, and the one whose duals are evidence."""

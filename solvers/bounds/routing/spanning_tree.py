@@ -1,21 +1,16 @@
 """Bound ``spanning-tree``: node prices by subgradient ascent, for the evidence of the same name."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ....formulations.evidence import Evidence
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family
 from .arcs import LIMITS, Arcs, Floats, arc_costs, by_site, lacks_arc_costs
 from .subgradient_ascent import ascend
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
 
 BUDGET = 0.1
 """Part of the time that it gets where routes are limited, of which trees see nothing."""

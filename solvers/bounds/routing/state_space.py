@@ -5,18 +5,17 @@ Where many vehicles of one type serve all, the best walk through each customer t
 fall, by each customer's share of that, and follow the visits of all these walks at once.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ....formulations.evidence import Evidence
 from ....formulations.routing.checking.customer_sets import CUSTOMERS
 from ....formulations.routing.checking.known_features import unknown_features, without_stops
+from ....formulations.routing.checking.relaxation import Resource
 from ....formulations.routing.checking.vehicle_moves import VehicleMoves, alike, needed_routes, terms_of
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family
@@ -24,10 +23,6 @@ from .arcs import LIMITS, Flags, Floats, Longs, by_site, lacks_arc_costs, too_ma
 from .price_sharing import NEIGHBOURS, ROUNDS, WORK_PER_SECOND, shared_prices
 from .resource_walks import Walks, step_size
 from .subgradient_ascent import ascend
-
-if TYPE_CHECKING:
-    from ....formulations.routing.checking.relaxation import Resource
-    from ....formulations.routing.problem import RoutingProblem
 
 CHECKED = 3e8
 """Moves times steps that the check may take."""

@@ -5,23 +5,18 @@ hours, or sites of which no two share a route. Its evidence is a branching tree 
 that no answer has so few, and the bound L2 of answers with more.
 """
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
 
 from ....formulations.evidence import Evidence
 from ....formulations.routing.checking.known_features import unknown_features, without_stops
 from ....formulations.routing.checking.no_answer import check_vehicles_needed
 from ....formulations.routing.checking.vehicle_moves import terms_of
 from ....formulations.routing.fleet_need import bin_packing_bound, fleet_conflicts
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family
 from .infeasibility import MOST_ENUMERATED, MOST_SITES
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
 
 WORDS = {
     "too-few-vehicles": "loads", "bin-packing": "loads", "too-little-range": "range", "too-little-time": "time windows",

@@ -5,14 +5,12 @@ Source: linear programming duality for (3.5) of Sung (2019): the dual weights of
 the dual of the whole.
 """
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ....formulations.evidence import Evidence
+from ....formulations.problem import Problem
 from ....formulations.sata.balls import Floats, Indices, ball_graph, coverage as covered_by, even_shares, grown, near_one, num_edges
 from ....formulations.sata.max_min_lp import RobotsOf
 from ....formulations.stop import NEVER, Stop
@@ -20,9 +18,6 @@ from ....instances.errors import InputError
 from ....instances.sata.sensing_graph import SensingGraph
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family
-
-if TYPE_CHECKING:
-    from ....formulations.problem import Problem
 
 SEEDS = 3
 """Worst-covered targets that the first ball is grown around."""

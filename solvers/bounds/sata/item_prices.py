@@ -8,15 +8,15 @@ whose value is that of the linear relaxation. Either side's best answer is a clo
 which is what the checker makes of the prices, of p the fractional credit of each item. Both are the method's own measure of its gap.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....formulations.evidence import Evidence
+from ....formulations.problem import Problem
+from ....formulations.sata.submodular_selection import SubmodularSelection
 from ....formulations.stop import NEVER, Stop
 from ....formulations.verified_bounds import verified_bound
 from ....instances.sata.set_functions import IN_MATRIX, Floats
@@ -24,10 +24,6 @@ from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family
 from ..linear_relaxation import SMALL
 from .marginal_gains import best_sum
-
-if TYPE_CHECKING:
-    from ....formulations.problem import Problem
-    from ....formulations.sata.submodular_selection import SubmodularSelection
 
 GAP = 5e-7
 """Relative distance from the relaxation's value at which the prices are good enough: half of what is told apart from an optimum."""

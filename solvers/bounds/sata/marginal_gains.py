@@ -1,15 +1,14 @@
 """Bound ``marginal-gains``: f of a set, and the best sum of gains over it that the constraint allows."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ....formulations.evidence import Evidence
+from ....formulations.problem import Problem
 from ....formulations.sata.feasibility import Openings, in_budgets
+from ....formulations.sata.submodular_selection import SubmodularSelection
 from ....formulations.stop import NEVER, Stop
 from ....formulations.verified_bounds import verified_bound
 from ....instances.sata.constraints import Knapsack, LimitRows, PartitionMatroid
@@ -17,11 +16,6 @@ from ....instances.sata.set_functions import Floats, ItemWeights
 from ...linear_programs import LinearPrograms
 from .. import BOUNDS, BoundMethod, of_family
 from .growing_sets import WeightedSet, empty_set
-
-if TYPE_CHECKING:
-    from ....formulations.problem import Problem
-    from ....formulations.sata.submodular_selection import SubmodularSelection
-
 
 WORK = 5_000_000
 """Entries of the function's data that are looked at in search of the best prefix (two prefixes at least): some milliseconds."""
