@@ -1,7 +1,5 @@
 """Primal integrals of a campaign's runs, from the course of each search."""
 
-from __future__ import annotations
-
 import json
 import math
 from pathlib import Path
@@ -16,7 +14,7 @@ if TYPE_CHECKING:
 _KEY = ["instance", "file_hash", "setting_hash", "seed"]
 
 
-def primal_integrals(runs: pd.DataFrame, path: Path) -> pd.Series[float]:
+def primal_integrals(runs: "pd.DataFrame", path: Path) -> "pd.Series[float]":
     """The primal integral of each run up to its time limit, in seconds, against the best answer that is known for its case.
 
     ``runs`` are of ``counted``, with the column ``setting_hash``. A run whose answer does not count has the whole time limit; NaN where no

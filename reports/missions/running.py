@@ -1,7 +1,5 @@
 """``run``: play a mission with any solver, heuristic or policy, and log it."""
 
-from __future__ import annotations
-
 import contextlib
 import math
 import signal
@@ -49,7 +47,7 @@ def run(
     watch: Watch | None = None,
     progress: Callable[[dict[str, Any]], None] | None = None,
     **settings: Any,
-) -> pd.DataFrame:
+) -> "pd.DataFrame":
     """Play a mission: observe, decide, act, step by step.
 
     Parameters

@@ -1,7 +1,5 @@
 """A map of routes that zooms, on which a route or a stop is picked to see its facts."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -47,7 +45,7 @@ class RouteMap:
     problem: RoutingProblem
     answer: Routes
 
-    def html(self, made: Rendering) -> Markup:
+    def html(self, made: Rendering) -> "Markup":
         problem, answer = self.problem, self.answer
         where, scaled = site_positions(problem)
         at, height = placed(where, geographic(problem))

@@ -1,7 +1,5 @@
 """Fleet energy after Mitchell (2020), appendix A: what a fleet sustains, and how far exchanges one by one are from the fewest."""
 
-from __future__ import annotations
-
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
@@ -150,7 +148,7 @@ def broken_schedules(rows: list[dict[str, Any]]) -> list[Fault]:
     return [*broken, *(Fault("bound", f"seed {seed}: one by one is better than the fewest takeoffs", None, "order") for seed in better)]
 
 
-def means(runs: pd.DataFrame) -> list[dict[str, Any]]:
+def means(runs: "pd.DataFrame") -> list[dict[str, Any]]:
     """Each part and method with intervals, and by how much one by one loses."""
     rows: list[dict[str, Any]] = []
     for (part, method), own in runs.groupby(["part", "method"], sort=False) if len(runs) else ():
@@ -171,7 +169,7 @@ def means(runs: pd.DataFrame) -> list[dict[str, Any]]:
     return rows
 
 
-def findings(runs: pd.DataFrame) -> list[Finding]:
+def findings(runs: "pd.DataFrame") -> list[Finding]:
     """The claims of the appendix."""
     fleet = np.zeros(30, dtype=np.int64)
     longest = max(minutes for minutes in range(1, 61) if feasible(fleet, [(1, np.inf), (1, minutes)], 2, 34))

@@ -1,7 +1,5 @@
 """Looking further than the next bin in the orchard, after Zhang (2015), section 3.6."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING, Any
 
 from ...plots.drawing import band, plain
@@ -58,7 +56,7 @@ def orchard_look_ahead(setting: StudySetting) -> Report:
     )  # fmt: skip
 
 
-def look_ahead_rows(days: pd.DataFrame) -> list[dict[str, Any]]:
+def look_ahead_rows(days: "pd.DataFrame") -> list[dict[str, Any]]:
     """Mean steps of each method, and how far above the auction on the same days."""
     rows = []
     for robots, alike in days.groupby("robots"):
@@ -71,7 +69,7 @@ def look_ahead_rows(days: pd.DataFrame) -> list[dict[str, Any]]:
 
 
 @figure("orchard-look-ahead", 6.5, 3.2)
-def _figure(figure: Any, rows: pd.DataFrame) -> None:
+def _figure(figure: Any, rows: "pd.DataFrame") -> None:
     """Steps above the auction's on the same days, over the number of robots."""
     ax = figure.subplots()
     for method, colour in COLOURS.items():

@@ -1,7 +1,5 @@
 """Allocation of observations to cells after Mitchell (2020), chapter 4: which cells to look at where travel and occlusion do not count."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -143,7 +141,7 @@ CLAIMS: tuple[tuple[str, str, str, str, str, int, str], ...] = (
 )  # fmt: skip
 
 
-def findings(table: pd.DataFrame, names: Sequence[str]) -> list[Finding]:
+def findings(table: "pd.DataFrame", names: Sequence[str]) -> list[Finding]:
     """Claims by pairs of the same seeds, and the printed responses of random allocation."""
     found = [Finding("Table 4.1: entropy and divergence", "130 to 690 bits", "see the table", LOST, UNTOLD)]
     for name, printed in PRINTED.items() if "random, 100" in names else ():
@@ -161,7 +159,7 @@ def findings(table: pd.DataFrame, names: Sequence[str]) -> list[Finding]:
 
 
 @figure("observation-allocation", 11.0, 3.6)
-def allocation_figure(figure: Any, table: pd.DataFrame, names: Sequence[str]) -> None:
+def allocation_figure(figure: Any, table: "pd.DataFrame", names: Sequence[str]) -> None:
     """Measures of the four objectives by the number of looks, with intervals."""
     for ax, key in zip(figure.subplots(1, len(MEASURES)), MEASURES, strict=True):
         for colour, objective in zip(COLOURS, OBJECTIVES, strict=False):

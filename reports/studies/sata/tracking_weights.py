@@ -1,7 +1,5 @@
 """Tracking: what greedy expects of binary and of inverse-distance weights, after Sung (2019), section 3.5.3."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -68,7 +66,7 @@ def weight_rows(logs: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     return rows
 
 
-def _errors(log: pd.DataFrame, what: str) -> pd.Series[float]:
+def _errors(log: "pd.DataFrame", what: str) -> "pd.Series[float]":
     """Mean relative error of each run, over steps with an actual value."""
     actual = log[f"actual_{what}"]
     return ((log[f"estimated_{what}"] - actual).abs() / actual.where(actual > 0)).groupby(log["seed"]).mean()
