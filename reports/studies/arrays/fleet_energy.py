@@ -115,7 +115,6 @@ def claimed(seed: int, name: str) -> list[dict[str, Any]]:
     claim="ceil(charge / flight) + 1 robots sustain a job for ever; 100 robots fly 4 to 5 at a time; of 26 the supported jobs fall 3, 2, 1",
 )
 def fleet_energy(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     import pandas as pd
 
     tasks: list[tuple[Any, ...]] = [(part, seed) for part in (small, looped) for seed in setting.seeds]

@@ -124,7 +124,6 @@ def looped(seed: int, budget: int) -> list[dict[str, Any]]:
     claim="each weight gains its own utility; relays gain no less than robots alone; utility grows with the team and with the silence",
 )
 def explore_map_search(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     import pandas as pd
 
     each = [

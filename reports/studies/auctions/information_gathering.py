@@ -47,7 +47,6 @@ NOTES = (
     claim="the partition is better than the auction in gain, idle time and loss, for 2 to 5 robots",
 )
 def information_gathering(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     import pandas as pd
 
     teams, steps = (TEAMS, STEPS) if setting.full else (TEAMS[:2], 60)

@@ -32,7 +32,6 @@ TEAMS = (2, 4, 8, 12)
     claim="only the first bin of a plan matters: later ones add noise, as other robots take them",
 )
 def orchard_look_ahead(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     import pandas as pd
 
     teams = TEAMS if setting.full else TEAMS[-2:-1]

@@ -131,7 +131,6 @@ def explored(seed: int, names: Sequence[str], steps: int) -> list[dict[str, Any]
     claim="the system converges faster, to 59 % of the entropy and 71 % of the divergence of pure greedy; robots count more than waypoints",
 )
 def persistent_exploration(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     import pandas as pd
 
     names, steps = (tuple(RUNS), 120) if setting.full else (SHORT, 30)

@@ -60,7 +60,6 @@ def compared(seed: int, kind: str) -> list[dict[str, Any]]:
     claim="one label a cell loses the least risk and two states find it, but not with risks of the whole way; sums take riskier paths",
 )
 def risky_planners(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     tasks = [(seed, kind) for seed in setting.seeds for kind in KINDS]
     done = spread(compared, tasks, setting.jobs, setting.told, lambda task: f"map {task[0]}, {task[1]}")
     rows = []

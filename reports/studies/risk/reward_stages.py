@@ -47,7 +47,6 @@ def stages(seed: int, discount: float) -> list[dict[str, Any]]:
     claim="two stages find the same goal as the exact planner, whose path turns once more for more reward",
 )
 def reward_stages(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     tasks = [(seed, discount) for seed in setting.seeds for discount in DISCOUNTS]
     done = spread(stages, tasks, setting.jobs, setting.told, lambda task: f"map {task[0]}")
     rows = []

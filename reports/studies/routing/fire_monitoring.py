@@ -92,7 +92,6 @@ def optimum(seed: int, steps: int) -> dict[str, float]:
     claim="weighted greedy keeps J below that of circling the perimeter, for each threshold of intensity",
 )
 def fire_monitoring(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     import pandas as pd
 
     tasks = [(seed, setting.full) for seed in setting.seeds]

@@ -140,7 +140,6 @@ def against_hindsight(rows: list[dict[str, Any]], mission: HotspotIdentification
     claim="future variance is better than current, a window better than none, and all better than block UCL and boustrophedon",
 )
 def hotspot_identification(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     import pandas as pd
 
     done = spread(series, [(seed, setting.full) for seed in setting.seeds], setting.jobs, setting.told, lambda task: f"seed {task[0]}")

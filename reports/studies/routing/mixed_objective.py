@@ -65,7 +65,6 @@ def drawn(seed: int, kind: str) -> list[dict[str, Any]]:
     claim="with the weight min r_i zeta / B_max the makespan never decides over reward",
 )
 def mixed_objective(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     tasks = [(seed, kind) for seed in setting.seeds for kind in KINDS]
     done = spread(drawn, tasks, setting.jobs, setting.told, lambda task: f"instance {task[0]}, rewards {task[1]}")
     example = both([(0.0, 0.0), (5.0, 0.0), (-0.5, 0.0)], [0.0, 10.0, 9.0], 10.0)

@@ -102,7 +102,6 @@ def task(seed: int, steps: int, names: Sequence[str]) -> list[dict[str, Any]]:
     claim="information and misfit together respond faster, with less entropy and divergence, than random allocation or either alone",
 )
 def observation_allocation(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     import pandas as pd
 
     steps = 1000 if setting.full else 500

@@ -124,7 +124,6 @@ def staircase(steps: int) -> list[Cell]:
     claim="depth-first exploration by R robots takes O(R / log R) times the shortest exploration",
 )
 def plume_bounds(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     rows = [counterexample(*one) for one in SERPENTINES]
     faults = tuple(Fault("bound", f"{row} exceeds the proved ratio") for row in rows if row["ratio"] > row["proved_ratio"])
     return Report(

@@ -96,7 +96,6 @@ def looped(seed: int) -> list[dict[str, Any]]:
     claim="times stay well below the upper bound, grow with the plume and fall with robots and speed; a competitive ratio O(R / log R)",
 )
 def plume_exploration(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     import pandas as pd
 
     levels = [(key, level) for key, own in SWEEPS.items() for level in own[:: 1 if setting.full else 2]]

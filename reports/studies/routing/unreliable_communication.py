@@ -105,7 +105,6 @@ def looped(seed: int) -> list[dict[str, Any]]:
     claim="the roles bring 5 to 18 % more of the map to the base, never less; more so with more robots",
 )
 def unreliable_communication(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     import pandas as pd
 
     points = [(floor, *point) for floor in FLOORS for point in (POINTS if setting.full else POINTS[:3:2])]

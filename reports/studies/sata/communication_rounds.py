@@ -35,7 +35,6 @@ def rounds(seed: int, robots: int) -> list[dict[str, Any]]:
     claim="greedy takes as many rounds as there are robots, the local algorithm O(h log 1/eps) whatever their number",
 )
 def communication_rounds(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     teams = TEAMS if setting.full else TEAMS[:2]
     tasks = [(seed, robots) for seed in setting.seeds for robots in teams]
     done = spread(rounds, tasks, setting.jobs, setting.told, lambda task: f"{task[1]} robots, graph {task[0]}")

@@ -94,7 +94,7 @@ def experiment(name: str, summary: str, trials: int, source: str, claim: str, pl
 
 
 def run_experiment(name: str, summary: str, plan: ExperimentPlan, setting: StudySetting) -> Report:
-    """See ``Study.run``."""
+    """Play all points of a plan, and report them."""
     tasks = [
         (name, sweep, point, first, min(CHUNK, setting.instances - first), setting.seed)
         for sweep, one in enumerate(plan.sweeps)

@@ -39,7 +39,6 @@ def views(seed: int, count: int) -> list[dict[str, Any]]:
     claim="lazy greedy takes the same waypoints with far fewer evaluations",
 )
 def lazy_evaluations(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     tasks = [(seed, count) for seed in setting.seeds for count in SIZES]
     done = spread(views, tasks, setting.jobs, setting.told, lambda task: f"map {task[0]}, {task[1]} views")
     rows = []

@@ -107,7 +107,6 @@ def flown(seed: int, steps: int, robot_step: float) -> list[dict[str, Any]]:
     claim="repulsion at the border of the field of view avoids false negatives; the largest Gaussian finds fewer targets than a lawn mower",
 )
 def search_and_track(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     import pandas as pd
 
     steps, robot_step = (7278, 0.5) if setting.full else (600, 2.0)

@@ -11,7 +11,7 @@ from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import NEVER, Stop, Stopped
 from ....formulations.verified_bounds import verified_bound
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod, of_family
+from .. import bound_method, of_family
 from .arcs import Arcs, Floats, arc_costs, by_site, lacks_arc_costs
 
 STEPS_PER_SECOND = 4e9
@@ -21,6 +21,7 @@ STALLED = 1e-13
 """Part of the dearest arc by which prices must change for another round to be worth it."""
 
 
+@bound_method("assignment", of_family("routing", lacks_arc_costs), order=1)
 def assignment_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """Evidence from the prices of a cheapest assignment of successors; None where the time does not suffice or there is no assignment.
 
@@ -77,6 +78,3 @@ def _prices(cost: Floats, successor: NDArray[np.integer], stop: Stop = NEVER) ->
             break
         columns = lower
     return chosen[:, 0] - columns[successor], columns
-
-
-BOUNDS.add("assignment", BoundMethod("assignment", of_family("routing", lacks_arc_costs), assignment_bound, order=1))

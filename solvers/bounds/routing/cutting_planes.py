@@ -17,7 +17,7 @@ from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
 from ...linear_session import LinearSession
-from .. import BOUNDS, BoundMethod, of_family
+from .. import bound_method, of_family
 from .arcs import Flags, Floats, Longs, by_site, lacks_arc_costs, too_many_arcs
 from .knapsack import lacks_rewards
 
@@ -222,6 +222,18 @@ def _nearest(costs: _Costs) -> Flags:
     return near & usable
 
 
+def _lacks(problem: RoutingProblem) -> frozenset[str]:
+    """Features and objectives that ``lacks_rewards`` names, unless all that counts is costs of routes with loads and without windows."""
+    lacking = lacks_rewards(problem)
+    if not lacking or lacks_arc_costs(problem):
+        return lacking
+    return frozenset() if problem.features() & {"capacity"} and not problem.features() & {"time-windows"} else lacking
+
+
+KERNELS = ("waybound.solvers.bounds.routing.cut_kernels",)
+
+
+@bound_method("cutting-planes", of_family("routing", _lacks), order=1, kernels=KERNELS)
 def cutting_planes_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """Evidence ``cut-multipliers`` from the duals of the program that proves most.
 
@@ -267,16 +279,3 @@ def _evidence(problem: RoutingProblem, costs: _Costs, program: _Relaxation, valu
     }  # fmt: skip
     value = (1.0 if problem.sense == "min" else -1.0) * (value + costs.constant)
     return Evidence("cut-multipliers", "linear relaxation with cuts", value, data)
-
-
-def _lacks(problem: RoutingProblem) -> frozenset[str]:
-    """Features and objectives that ``lacks_rewards`` names, unless all that counts is costs of routes with loads and without windows."""
-    lacking = lacks_rewards(problem)
-    if not lacking or lacks_arc_costs(problem):
-        return lacking
-    return frozenset() if problem.features() & {"capacity"} and not problem.features() & {"time-windows"} else lacking
-
-
-KERNELS = ("waybound.solvers.bounds.routing.cut_kernels",)
-
-BOUNDS.add("cutting-planes", BoundMethod("cutting-planes", of_family("routing", _lacks), cutting_planes_bound, order=1, kernels=KERNELS))

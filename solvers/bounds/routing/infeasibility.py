@@ -9,7 +9,7 @@ from ....formulations.routing.reachability import servable_alone
 from ....formulations.stop import NEVER, Stop
 from ....formulations.verified_bounds import verified_bound
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod, of_family
+from .. import bound_method, of_family
 
 MOST_SITES = 200
 """Sites up to which a fleet is examined: this costs time even where the problem has an answer."""
@@ -18,6 +18,7 @@ MOST_ENUMERATED = 5
 """Sites of which every choice of routes is tried, for the same reason."""
 
 
+@bound_method("infeasible-site", of_family("routing"))
 def infeasible_site_evidence(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """Proof that some required site cannot be served by any vehicle, if there is such a site.
 
@@ -35,6 +36,7 @@ def infeasible_site_evidence(problem: RoutingProblem, stop: Stop = NEVER, linear
     return None
 
 
+@bound_method("too-few-vehicles", of_family("routing"))
 def too_few_vehicles_evidence(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """Proof that the fleet cannot carry the total demand of the required sites, if it cannot."""
     limit = problem.vehicle_limit
@@ -47,6 +49,7 @@ def too_few_vehicles_evidence(problem: RoutingProblem, stop: Stop = NEVER, linea
     return evidence if total > room and verified_bound(problem, evidence) == evidence.value else None
 
 
+@bound_method("too-small-fleet", of_family("routing"))
 def fleet_need_evidence(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """The first proof that the fleet is too small, or that too many routes are asked for, among ``fleet_conflicts``."""
     if len(problem.sites) > MOST_SITES:
@@ -57,8 +60,3 @@ def fleet_need_evidence(problem: RoutingProblem, stop: Stop = NEVER, linear: Lin
 def _no_answer(problem: RoutingProblem) -> float:
     """The bound of a problem without any answer."""
     return math.inf if problem.sense == "min" else -math.inf
-
-
-BOUNDS.add("infeasible-site", BoundMethod("infeasible-site", of_family("routing"), infeasible_site_evidence))
-BOUNDS.add("too-few-vehicles", BoundMethod("too-few-vehicles", of_family("routing"), too_few_vehicles_evidence))
-BOUNDS.add("too-small-fleet", BoundMethod("too-small-fleet", of_family("routing"), fleet_need_evidence))

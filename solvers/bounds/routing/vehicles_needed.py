@@ -15,7 +15,7 @@ from ....formulations.routing.fleet_need import bin_packing_bound, fleet_conflic
 from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod, of_family
+from .. import bound_method, of_family
 from .infeasibility import MOST_ENUMERATED, MOST_SITES
 
 WORDS = {
@@ -32,6 +32,7 @@ def lacks(problem: RoutingProblem) -> frozenset[str]:
     return missing if bounded else missing | {"objectives without vehicles"}
 
 
+@bound_method("vehicles-needed", of_family("routing", lacks))
 def vehicles_needed(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence:
     """Evidence from the threshold of the bound L2 that is best for the required demands."""
     capacity = max(v.capacity for v in without_stops(problem).fleet)
@@ -40,6 +41,7 @@ def vehicles_needed(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearP
     return Evidence("vehicles-needed", "vehicles that the loads need", check_vehicles_needed(problem, data), data)
 
 
+@bound_method("fewest-routes", of_family("routing", lacks), order=1)
 def fewest_routes(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """A bound on the number of routes, by a proof that fewer are infeasible; None where bin packing gives as good a bound.
 
@@ -69,7 +71,3 @@ def fewest_routes(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPro
         {"kind": rest.kind, "data": dict(rest.data)},
     ]
     return Evidence("branching-tree", f"vehicles needed, by {WORDS.get(conflict.kind, conflict.kind)}", rest.value, {"nodes": nodes})
-
-
-BOUNDS.add("vehicles-needed", BoundMethod("vehicles-needed", of_family("routing", lacks), vehicles_needed))
-BOUNDS.add("fewest-routes", BoundMethod("fewest-routes", of_family("routing", lacks), fewest_routes, order=1))
