@@ -68,7 +68,7 @@ def run(
     watch : callable, optional
         ``watch(world, row)`` is called at the start (with an empty row) and after each step.
     progress : callable, optional
-        Receives ``{"phase", "seconds", "objective", "bound"}`` after each step.
+        Receives ``{"phase", "seconds", "objective"}`` after each step.
     **settings
         The mission's own.
 

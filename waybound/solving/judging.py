@@ -133,23 +133,33 @@ def contradictions(claim: Claim, senses: Sequence[str], best: Evaluation | None,
 
 
 def _refuted(claim: Claim, senses: Sequence[str], best: Evaluation | None, certificate: Certificate) -> Iterator[str]:
-    said, exactness, levels, verified = claim.said, claim.exactness, len(senses), certificate.bound
-    status, bound, values = claim.status(senses, best, certificate), claim.bound(levels), claim.values(levels)
     if best is not None:
-        passed = f"an answer of value {best.values[0]!r} passed every check"
-        if status == "infeasible" and exactness.infeasibility_is_valid:
-            yield f"that there is no answer, but one of value {best.values[0]!r} passed every check"
-        if said.bound is not None and exactness.bound_is_valid and _beaten(claim, senses, best, 0, said.bound):
-            yield f"the bound {said.bound!r}, but {passed}"
-        if status == "optimal" and exactness is Exactness.EXACT:
-            apart = next((k for k, value in enumerate(values) if not claim.close(best, k, value)), None)
-            if apart is not None and _beaten(claim, senses, best, apart, values[apart]):
-                there = f" at level {apart + 1}" if apart else ""
-                yield f"the optimum {values[apart]!r}{there}, but an answer of value {best.values[apart]!r}{there} passed every check"
-        for level, further in claim.concerned(senses, best):
-            if further.bound is not None and _beaten(claim, senses, best, level, further.bound):
-                passed_there = f"an answer of value {best.values[level]!r} there passed every check"
-                yield f"the bound {further.bound!r} at level {level + 1}, but {passed_there}"
+        yield from _refuted_by_answer(claim, senses, best, claim.status(senses, best, certificate))
+    yield from _refuted_by_proof(claim, senses, best, certificate)
+
+
+def _refuted_by_answer(claim: Claim, senses: Sequence[str], best: Evaluation, status: str) -> Iterator[str]:
+    said, exactness = claim.said, claim.exactness
+    passed = f"an answer of value {best.values[0]!r} passed every check"
+    if status == "infeasible" and exactness.infeasibility_is_valid:
+        yield f"that there is no answer, but one of value {best.values[0]!r} passed every check"
+    if said.bound is not None and exactness.bound_is_valid and _beaten(claim, senses, best, 0, said.bound):
+        yield f"the bound {said.bound!r}, but {passed}"
+    if status == "optimal" and exactness is Exactness.EXACT:
+        values = claim.values(len(senses))
+        apart = next((k for k, value in enumerate(values) if not claim.close(best, k, value)), None)
+        if apart is not None and _beaten(claim, senses, best, apart, values[apart]):
+            there = f" at level {apart + 1}" if apart else ""
+            yield f"the optimum {values[apart]!r}{there}, but an answer of value {best.values[apart]!r}{there} passed every check"
+    for level, further in claim.concerned(senses, best):
+        if further.bound is not None and _beaten(claim, senses, best, level, further.bound):
+            passed_there = f"an answer of value {best.values[level]!r} there passed every check"
+            yield f"the bound {further.bound!r} at level {level + 1}, but {passed_there}"
+
+
+def _refuted_by_proof(claim: Claim, senses: Sequence[str], best: Evaluation | None, certificate: Certificate) -> Iterator[str]:
+    exactness, levels, verified = claim.exactness, len(senses), certificate.bound
+    status, values = claim.status(senses, best, certificate), claim.values(levels)
     if exactness.answer_is_valid:
         size = 0.0 if best is None else best.size
         if status == "optimal" and values and verified is not None:
@@ -163,7 +173,7 @@ def _refuted(claim: Claim, senses: Sequence[str], best: Evaluation | None, certi
     if certificate.unbounded:
         what = "that there is no answer" if status == "infeasible" and exactness.infeasibility_is_valid else ""
         what = what or ("a best answer" if status == "optimal" and exactness is Exactness.EXACT else "")
-        what = what or ("a bound" if bound is not None else "")
+        what = what or ("a bound" if claim.bound(levels) is not None else "")
         if what:
             yield f"{what}, but it is proved that answers are as good as one wants"
 
