@@ -31,6 +31,11 @@ COMMON = ("name", "problem", "family", "senses", "convention", "instance_hash", 
 """Facts that ``facts_table`` shows of every problem; the others are the problem's own."""
 
 
+def problem_table(problem: Problem) -> Table:
+    """The facts of a problem, one a row."""
+    return facts_table(facts(problem))
+
+
 def facts_table(data: dict[str, Any]) -> Table:
     """The facts of a problem, one a row."""
     rows_of = TABLES[data["family"]].facts if data["family"] in TABLES else {}
