@@ -3,7 +3,6 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -11,6 +10,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...generators import Draw
+from ...text import read_text
 from ...worlds import WORLDS, Setting, World, WorldKind
 from ..aerial_pictures import Arms
 from ..gaussian_process import GaussianProcess, SquaredExponential
@@ -153,12 +153,10 @@ def bumps(draw: Draw, shape: tuple[int, int], count: int, spread: tuple[float, f
 
 def read_field(path: str) -> Floats:
     """A table of intensities, numbers with commas, a line per row of cells, the northernmost first. Raises InputError."""
+    rows = read_text(path).split("\n")
     try:
-        rows = Path(path).read_text(encoding="utf-8").splitlines()
-        if not any(row.strip() for row in rows):
-            raise ValueError("it is empty")
         return np.loadtxt(rows, delimiter=",", ndmin=2, comments=None)[::-1]
-    except (OSError, ValueError) as fault:
+    except ValueError as fault:
         raise InputError(f"cannot be read as a table of numbers: {fault}", "file", file=path) from None
 
 
