@@ -3,7 +3,7 @@
 import math
 
 from ....formulations.evidence import Evidence
-from ....formulations.routing.fleet_need import fleet_conflicts
+from ....formulations.routing.fleet_need import fleet_conflicts, infeasible_bound
 from ....formulations.routing.problem import RoutingProblem
 from ....formulations.routing.reachability import servable_alone
 from ....formulations.stop import NEVER, Stop
@@ -30,7 +30,7 @@ def infeasible_site_evidence(problem: RoutingProblem, stop: Stop = NEVER, linear
         if stop.reached():
             return None
         name = problem.sites.ids[site]
-        evidence = Evidence("infeasible-site", f"no vehicle can serve site {name}", _no_answer(problem), {"site": name})
+        evidence = Evidence("infeasible-site", f"no vehicle can serve site {name}", infeasible_bound(problem), {"site": name})
         if verified_bound(problem, evidence) == evidence.value:
             return evidence
     return None
@@ -45,7 +45,7 @@ def too_few_vehicles_evidence(problem: RoutingProblem, stop: Stop = NEVER, linea
     total = math.fsum(problem.sites.demand[problem.sites.required])
     room = math.fsum(v.capacity * (v.count or 0) for v in problem.fleet)
     source = f"the sites demand {total:g}, all vehicles together carry {room:g}"
-    evidence = Evidence("too-few-vehicles", source, _no_answer(problem), {})
+    evidence = Evidence("too-few-vehicles", source, infeasible_bound(problem), {})
     return evidence if total > room and verified_bound(problem, evidence) == evidence.value else None
 
 
@@ -55,8 +55,3 @@ def fleet_need_evidence(problem: RoutingProblem, stop: Stop = NEVER, linear: Lin
     if len(problem.sites) > MOST_SITES:
         return None
     return next(fleet_conflicts(problem, lambda: bool(stop.reached()), MOST_ENUMERATED), None)
-
-
-def _no_answer(problem: RoutingProblem) -> float:
-    """The bound of a problem without any answer."""
-    return math.inf if problem.sense == "min" else -math.inf
