@@ -299,7 +299,7 @@ class Tree(ProofTree[_Node]):
         return (hopeless, gap + 0.5 * self.columns.step) if hopeless is not None and hopeless.sum() > many else None
 
     def _goal(self) -> float:
-        """What is to be proved, in units: what is above the last multiple before the target is lifted to it."""
+        """The bound to be proved, in units: as values are multiples of the grain, more than the last one before the target will do."""
         below = 0.0 if self.grain is None else self.grain.size * (1.0 - 1e-4)
         return (self.target - below) / self.unit
 
