@@ -1,7 +1,5 @@
 """Answers in files: read as the problem's own, and written by suffix."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from os import PathLike
@@ -116,7 +114,7 @@ def check_answer_path(problem: Problem, path: str | PathLike[str]) -> None:
         raise UsageError(f"{path}: {error}", error.code) from None
 
 
-def write_answer(solution: Solution, path: str | PathLike[str]) -> None:
+def write_answer(solution: "Solution", path: str | PathLike[str]) -> None:
     """Write the answer of ``solution`` by the suffix of ``path``, whole or not at all.
 
     ``.json`` holds all that ``Solution.to_json`` tells, ``.csv`` and ``.xlsx`` tables, other files what their format can express.

@@ -1,7 +1,5 @@
 """Certificates: what has been verified about an answer, and the evidence to verify it again without a solver."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace

@@ -1,7 +1,5 @@
 """Certificates as files: JSON, with evidence that is large in a compressed file beside it, named there with its SHA-256."""
 
-from __future__ import annotations
-
 import gzip
 import hashlib
 import json
@@ -30,7 +28,7 @@ MOST_BYTES = 1 << 28
 SUFFIX = ".evidence.json.gz"
 
 
-def write_certificate(certificate: Certificate, path: str | PathLike[str]) -> None:
+def write_certificate(certificate: "Certificate", path: str | PathLike[str]) -> None:
     """Write a certificate with its evidence to ``path``: both files, whole, or neither.
 
     Raises InputError if a file cannot be written.

@@ -1,7 +1,5 @@
 """The verdict on an answer: objective recomputed from the data, and every violation by name and amount."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager

@@ -1,7 +1,5 @@
 """Evidence for a bound: data that a checker can verify without a solver."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -37,7 +35,7 @@ class Evidence:
         return {"kind": self.kind, "source": self.source, "value": value, "data": self.data}
 
     @classmethod
-    def from_json(cls, data: Mapping[str, Any]) -> Evidence:
+    def from_json(cls, data: Mapping[str, Any]) -> "Evidence":
         return cls(str(data["kind"]), str(data["source"]), float(data["value"]), dict(data["data"]))
 
 

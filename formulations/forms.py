@@ -1,7 +1,5 @@
 """Forms: ways to write a problem down as a program. Each registers itself in ``FORMS``."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from typing import Any, Protocol

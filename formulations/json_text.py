@@ -1,7 +1,5 @@
 """Standard JSON as text, of whatever answers, solutions and certificates hold."""
 
-from __future__ import annotations
-
 import json
 import math
 from typing import Any

@@ -3,8 +3,6 @@
 Imports numba: import it inside functions only, or in modules whose names end with ``_kernels``.
 """
 
-from __future__ import annotations
-
 import contextlib
 import gc
 import importlib

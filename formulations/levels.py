@@ -1,7 +1,5 @@
 """Verified bounds of the levels of priority after the first: each holds for all answers that are no worse at the levels before."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -88,7 +86,7 @@ def best_level_bound(
     return best
 
 
-def with_levels(certificate: Certificate, evaluation: Evaluation, levels: Sequence[LevelBound]) -> Certificate:
+def with_levels(certificate: "Certificate", evaluation: Evaluation, levels: Sequence[LevelBound]) -> "Certificate":
     """The certificate with the bounds of further levels, and the gap of the first level that is open."""
     extended = replace(certificate, levels=tuple(levels))
     for level, bound in enumerate([certificate.bound, *(one.bound for one in levels)]):

@@ -1,8 +1,6 @@
 """The ways from ``Solution`` to pictures, pages and maps of streets, and from a problem to the table of its facts, which stand on a higher
 floor: the face, which runs before all else, sets ``draw``, ``page``, ``streets`` and ``tell``."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """References to things by name or index, as users write them."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterable, Mapping
 from operator import index as whole

@@ -1,7 +1,5 @@
 """Facts for people: the same lines as plain text, as HTML for notebooks, and as a rich table."""
 
-from __future__ import annotations
-
 import html
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """The history of a search: the best answer and bound known at each moment."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -49,7 +47,7 @@ class Event:
         return gap(self.objective[0], self.bound[0])
 
 
-def history_frame(events: Sequence[Event], levels: int = 1) -> pd.DataFrame:
+def history_frame(events: Sequence[Event], levels: int = 1) -> "pd.DataFrame":
     """One row per event: ``COLUMNS``, and ``objective_2, bound_2, ...`` for further levels of priority; NaN where nothing was known."""
     import pandas as pd
 

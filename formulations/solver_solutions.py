@@ -1,7 +1,5 @@
 """Answers out of what outside solvers write of an exported form of a problem."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from ..instances.errors import InputError, WayboundError

@@ -1,7 +1,5 @@
 """Certificate files compared field by field with recomputed values; nothing is taken over from a file unless it agrees."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

@@ -1,7 +1,5 @@
 """The end of a search: at its deadline, or when it is asked to, compiled loops included."""
 
-from __future__ import annotations
-
 import heapq
 import itertools
 import math
@@ -94,11 +92,11 @@ class Stop:
         """Ask for the end, of this stop and of all that were derived from it or that it was derived from."""
         self._wish.ask()
 
-    def within(self, seconds: float) -> Stop:
+    def within(self, seconds: float) -> "Stop":
         """A stop that ends when this one does, after ``seconds`` at the latest."""
         return self.after(min(seconds, self.seconds_left))
 
-    def after(self, seconds: float) -> Stop:
+    def after(self, seconds: float) -> "Stop":
         """A stop that ends after ``seconds``, whatever the deadline of this one, or on request: for work when the time is up."""
         stop = Stop(seconds)
         stop._wish = self._wish

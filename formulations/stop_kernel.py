@@ -1,7 +1,5 @@
 """Reads the flag of a ``Stop`` in compiled loops. Imports numba: import it inside functions only."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from llvmlite import ir

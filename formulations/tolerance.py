@@ -3,8 +3,6 @@
 Data multiplied by any power of two give the same verdicts. Nothing here is in units of the data.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

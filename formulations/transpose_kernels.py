@@ -1,7 +1,5 @@
 """The transpose of a sparse matrix, compiled. Imports numba: import it inside functions only."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from .kernels import kernel

@@ -1,7 +1,5 @@
 """Summary of a run in plain sentences: what is proved, by which evidence, and what is not."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from ..instances.printable import one_line

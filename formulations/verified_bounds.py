@@ -1,7 +1,5 @@
 """Bounds that checkers derive from evidence, and their comparison."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

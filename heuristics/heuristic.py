@@ -1,7 +1,5 @@
 """The contract of heuristics: approximations that solve a problem directly and say what they guarantee."""
 
-from __future__ import annotations
-
 import inspect
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field

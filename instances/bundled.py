@@ -1,7 +1,5 @@
 """Bundled instances: made by waybound's own generators, each from a recorded command, or small cases of the literature."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path

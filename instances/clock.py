@@ -3,8 +3,6 @@
 Nothing is converted without a unit that the user named: a timestamp is a number of nanoseconds to pandas and of microseconds to others.
 """
 
-from __future__ import annotations
-
 import contextlib
 import datetime
 import math
@@ -69,7 +67,7 @@ class Clock:
         return SECONDS[self.unit]
 
     @property
-    def midnight(self) -> pd.Timestamp | None:
+    def midnight(self) -> "pd.Timestamp | None":
         """The origin."""
         import pandas as pd
 

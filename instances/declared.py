@@ -3,8 +3,6 @@
 A field of an instance is declared as ``Annotated[type, part]``. Whatever only one kind has, it checks, reads and writes itself.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from functools import cache, partial

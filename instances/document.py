@@ -1,7 +1,5 @@
 """Checked access to parsed JSON: every complaint names the key by its path, and nothing unknown is dropped."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Collection, Mapping, Sequence

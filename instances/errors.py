@@ -1,7 +1,5 @@
 """Errors that a user can cause or meet, each with the exit code of the command line."""
 
-from __future__ import annotations
-
 from os import PathLike
 from typing import Literal
 
@@ -78,7 +76,7 @@ class InputError(WayboundError):
             text += f"; found {found}"
         super().__init__(text, code)
 
-    def at(self, file: str | PathLike[str] | None = None, line: int | None = None) -> InputError:
+    def at(self, file: str | PathLike[str] | None = None, line: int | None = None) -> "InputError":
         """The same error with the given file, line and so on, as far as it names none itself."""
         return InputError(
             self.message,

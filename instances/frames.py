@@ -1,7 +1,5 @@
 """Columns of pandas frames that users hand over: checked titles, names and numbers."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

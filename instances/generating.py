@@ -1,7 +1,5 @@
 """Generation of instances by name of the recipe."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

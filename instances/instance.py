@@ -1,7 +1,5 @@
 """The attributes that all instances share, and the digest of data."""
 
-from __future__ import annotations
-
 import hashlib
 from collections.abc import Mapping
 from typing import Any, ClassVar, Protocol, runtime_checkable

@@ -1,16 +1,12 @@
 """Kinds of instances in waybound's JSON: each module registers how its kind is written and read back."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from .declared import Declared
 from .instance import Instance
 from .registry import Registry
-
-if TYPE_CHECKING:
-    from .declared import Declared
 
 
 @dataclass(frozen=True)

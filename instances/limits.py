@@ -1,7 +1,5 @@
 """Upper limits of the numbers that users set: larger ones are slips of the keyboard, refused before anything starts."""
 
-from __future__ import annotations
-
 from numbers import Integral, Real
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Arrays of numbers as they come from a user: made of one type, and refused in one line where they hold what they must not."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple, TypeVar

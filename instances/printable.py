@@ -3,8 +3,6 @@
 Everything that people read goes through ``printable``: lines and titles of certificates, tables, errors, notes, names out of files.
 """
 
-from __future__ import annotations
-
 import re
 
 LONGEST = 2000

@@ -1,7 +1,5 @@
 """Reading of instances: the format is recognised from the content, never from the file's name."""
 
-from __future__ import annotations
-
 import re
 from os import PathLike
 from pathlib import Path

@@ -1,7 +1,5 @@
 """One mechanism for everything that registers itself: formats, generators, forms, bounds, evidence, solvers, heuristics."""
 
-from __future__ import annotations
-
 import importlib
 import importlib.util
 import pkgutil
@@ -93,7 +91,7 @@ class Registry(Generic[T]):
                 for point in entry_points(group=self.group):
                     self._load(point)
 
-    def _load(self, point: EntryPoint) -> None:
+    def _load(self, point: "EntryPoint") -> None:
         try:
             entry = point.load()
             if not isinstance(entry, ModuleType):

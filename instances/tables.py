@@ -1,7 +1,5 @@
 """Tables for the documentation, made from the registries: ``python -m waybound.instances.tables`` puts them into docs/formats.md."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """Text of input files: decoding, lines, and numbers that are refused with their line."""
 
-from __future__ import annotations
-
 import math
 import re
 from os import PathLike

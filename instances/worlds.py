@@ -1,7 +1,5 @@
 """Worlds: instances that unfold over time, as seeded state machines of pure data. Each module registers one."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

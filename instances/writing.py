@@ -1,7 +1,5 @@
 """Writing of instances, by name of the format or by the file's suffix."""
 
-from __future__ import annotations
-
 from os import PathLike
 from pathlib import Path
 

@@ -1,7 +1,5 @@
 """The contract between ``solve`` and everything that searches for answers."""
 
-from __future__ import annotations
-
 import threading
 import time
 from abc import ABC, abstractmethod

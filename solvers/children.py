@@ -4,8 +4,6 @@ Each child runs in a process group that a small shell leads. The shell waits at 
 when it closes, be it that we were killed, the shell ends the group and removes the child's folder.
 """
 
-from __future__ import annotations
-
 import atexit
 import fcntl
 import os
@@ -40,7 +38,7 @@ kill -KILL 0"""
 """Ends its own group; TERM first, because it could not remove a folder after it has killed itself."""
 
 _lock = threading.Lock()
-_living: dict[_Guard, subprocess.Popen[bytes] | None] = {}
+_living: "dict[_Guard, subprocess.Popen[bytes] | None]" = {}
 _folders: set[Path] = set()
 
 

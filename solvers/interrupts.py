@@ -3,8 +3,6 @@
 A search that is asked to end has ``GRACE`` seconds for its last word. With what follows it, a command ends within ``PATIENCE``.
 """
 
-from __future__ import annotations
-
 import contextlib
 import os
 import signal

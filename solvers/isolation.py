@@ -5,8 +5,6 @@ Ctrl-C reaches the parent alone. Incumbents come through a pipe as they are foun
 writes to the folder for temporary files ends with it.
 """
 
-from __future__ import annotations
-
 import importlib
 import math
 import os
@@ -52,21 +50,15 @@ def run_isolated(solver: str, target: Problem | Program, options: Options, contr
 
 
 def run_in_process(work: Any, options: Options, control: Control, *, aside: bool = False) -> RawResult:
-    """Run ``work(control)`` in a process of its own.
+    """Run ``work(control)``, which can be pickled, in a process of its own.
 
     Returns the result of ``work``; after a crash, a kill or a lack of memory one made from the incumbents it had published, or of status
-    ``error`` if there are none and nobody asked for its end. Raises what it raised about its input or options, and
-    UsageError if the problem cannot be sent to another process.
+    ``error`` if there are none and nobody asked for its end. Raises what it raised about its input or options, and UsageError if the
+    problem cannot be sent to another process.
 
-    Parameters
-    ----------
-    work : callable
-        Picklable, with ``modules``: names of what is loaded before time and memory are counted, as a library's own size is nobody's
-        choice; and perhaps with ``prepare()``, done before them too.
-    options : Options
-        ``memory_limit`` counts megabytes on top of an idle process that has loaded the modules; kept on Linux only.
-    aside : bool
-        Whether something else goes on meanwhile, whose deadlines come nearer while this process starts; else they do not.
+    ``work`` may have ``modules``, names of what is loaded, and ``prepare()``, done before time and memory are counted, as a library's own
+    size is nobody's choice; ``memory_limit`` counts megabytes on top of that, and is kept on Linux only. ``aside`` says that something else
+    goes on meanwhile, whose deadlines come nearer while this process starts; else they do not.
     """
     payload = _payload(work, options)
     mine, theirs = Pipe()
@@ -122,7 +114,7 @@ class _Child:
             return self._from_incumbents(f"the solver did not stop when asked and was ended{self.control.left}")
         return None
 
-    def _take(self, message: _Message) -> RawResult | None:
+    def _take(self, message: "_Message") -> RawResult | None:
         if message.kind == "searching":
             self.searching = time.perf_counter()
         elif message.kind == "set-up":

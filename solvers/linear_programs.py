@@ -1,7 +1,5 @@
 """The linear programs that bounds, engines and heuristics meet on their way, and the solver that they use."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """A linear program that is solved again and again with changed bounds, each time from the last basis."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from typing import Any
@@ -20,18 +18,10 @@ SLICE = 0.2
 
 @dataclass(frozen=True, eq=False)
 class LinearResult:
-    """Status, objective, point and duals of one run.
+    """One run: ``optimal``, ``infeasible``, ``unbounded``, ``iterations`` (their limit was met) or ``unknown``, and what it found.
 
-    Attributes
-    ----------
-    status : str
-        ``optimal``, ``infeasible``, ``unbounded``, ``iterations`` (their limit was met) or ``unknown``.
-    value : float
-        The objective; with the status ``iterations`` that of the point at which it stopped.
-    x, duals, reduced : arrays of shape (variables,), (rows,) and (variables,)
-        The point, the duals and the reduced costs; empty unless optimal.
-    ray : array of shape (rows,) or None
-        Of an infeasible program, where HiGHS has one.
+    ``value`` is the objective, with the status ``iterations`` that of the point at which it stopped; point, duals (rows,) and reduced costs
+    are empty unless optimal, and ``ray`` (rows,) is that of an infeasible program, where HiGHS has one.
     """
 
     status: str

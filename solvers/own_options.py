@@ -1,7 +1,5 @@
 """Options of one solver only, beside those that all share."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 
@@ -18,22 +16,10 @@ TRUTHS = {"true": True, "on": True, "1": True, "false": False, "off": False, "0"
 def own_options(
     label: str, given: Mapping[str, Any], known: Mapping[str, Any], common: Mapping[str, str] | None = None, word: str = "option"
 ) -> dict[str, Any]:
-    """The user's options, converted to their types.
+    """The user's options, mostly text, converted to the types of their defaults in ``known``; None there takes any.
 
-    Raises UsageError for the first one that is common, not known, or not of its type.
-
-    Parameters
-    ----------
-    label : str
-        The solver's name in messages.
-    given : mapping
-        Names and values, mostly text.
-    known : mapping
-        All names, each with its default, whose type the value shall have; None takes any.
-    common : mapping, optional
-        Names that stand for an option that all solvers share, and what that is called.
-    word : str
-        What the solver calls an option.
+    ``label`` is the solver's name in messages, ``word`` what it calls an option; ``common`` are names that stand for an option that all
+    solvers share, and what that is called. Raises UsageError for the first one that is common, not known, or not of its type.
     """
     options = {}
     for name, value in given.items():

@@ -9,8 +9,6 @@ A bound of level k + 1 holds for all answers no worse than ``value_j`` at each l
 before was closed.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Base class of solvers that take programs: reduce the program, run the solver, and check what it returns."""
 
-from __future__ import annotations
-
 import time
 import weakref
 from abc import abstractmethod

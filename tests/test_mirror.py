@@ -65,7 +65,6 @@ COMMANDS = {
 ELSEWHERE = {
     "formulations/checking/row_duals": "formulations/arrays/checking/test_lp_dual.py",  # its arithmetic
     "instances/sata/worlds/_plane": "instances/sata/worlds/test_tracking.py",
-    "reports/missions/routing/_fire_paths": "reports/missions/routing/test_fire_monitoring.py",
     "reports/plots/positions": "reports/plots/routing/test_routes.py",
     "reports/benchmarks/_bare_highs": "reports/benchmarks/test_highs_versions.py",  # a script that knows nothing of waybound
     "reports/benchmarks/_bare_routepricer": "reports/benchmarks/test_pricing_alone.py",

@@ -3,10 +3,9 @@
 Everything public is imported on first use, so that ``import waybound`` loads no solver, no pandas and no scipy.
 """
 
-from __future__ import annotations
-
 import importlib
 import sys
+from collections.abc import Callable
 from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
@@ -128,88 +127,64 @@ if TYPE_CHECKING:
     heuristics, solvers = list_heuristics, list_solvers
 
 _MODULES = {
-    "api": ("bound", "check", "explain", "generate", "judge", "read", "solve"),
-    "formulations.auctions.balanced_partition": ("BalancedPartition",),
-    "formulations.auctions.task_allocation": ("TaskAllocation",),
-    "formulations.auctions.bin_assignment": ("BinAssignment",),
-    "formulations.auctions.generalised_assignment": ("GeneralisedAssignment",),
-    "formulations.auctions.joint_assignment": ("JointAssignment",),
-    "formulations.auctions.orchard_day": ("OrchardDay",),
-    "formulations.auctions.room_exploration": ("RoomExploration",),
-    "heuristics.auctions.relay_steps.steiner_points": ("RelayTree", "fermat_weber", "fewest_relays", "spanning_tree_relays"),
-    "instances.auctions.exploration_map": ("ExplorationMap",),
-    "formulations.certificate": ("Certificate",),
-    "formulations.evaluation": ("Check", "Evaluation", "Violation"),
-    "formulations.evidence": ("Evidence", "Guarantee"),
-    "formulations.programs.exactness": ("Exactness",),
-    "formulations.risk.uncertain_path": ("UncertainPath",),
-    "formulations.risk.allocations": ("Allocation",),
-    "formulations.risk.risk_allocation": ("RiskAllocation",),
-    "formulations.routing.named_problems": (
-        "cvrp",
-        "makespan_orienteering",
-        "mdvrp",
-        "min_cost_vrp",
-        "min_makespan_vrp",
-        "orienteering",
-        "pdptw",
-        "recharging_vrp",
-        "team_orienteering",
-        "tsp",
-        "vrptw",
-    ),
-    "formulations.routing.objective": (
-        "LatestReturn",
-        "LongestRoute",
-        "Makespan",
-        "Objective",
-        "Penalties",
-        "Reward",
-        "TotalCost",
-        "TotalDuration",
-        "Vehicles",
-    ),
-    "formulations.problem": ("Problem",),
-    "formulations.sata.bottleneck_sata": ("BottleneckSATA",),
-    "formulations.sata.max_min_lp": ("MaxMinLP",),
-    "formulations.risk.risky_path": ("RiskyPath",),
-    "formulations.routing.problem": ("RoutingProblem",),
-    "formulations.sata.submodular_selection": ("SubmodularSelection",),
-    "formulations.sata.winner_takes_all_sata": ("WinnerTakesAllSATA",),
-    "formulations.programs.compiled": ("Compiled",),
-    "formulations.programs.program": ("Program", "Rows", "Variables"),
-    "formulations.routing.routes": ("Route", "Routes"),
-    "formulations.sata.selections": ("Selection",),
-    "formulations.solution": ("Solution",),
-    "heuristics.sata.submodularity": ("check_submodular",),
-    "instances.auctions.robot_tasks": ("RobotTasks",),
-    "instances.auctions.assignment": ("AssignmentInstance",),
-    "instances.auctions.generalised_assignment": ("GeneralisedAssignmentInstance",),
-    "instances.errors": (
-        "CheckFailedError",
-        "InputError",
-        "MissingPackageError",
-        "NoAnswerError",
-        "SearchFailedError",
-        "UnsupportedError",
-        "UsageError",
-        "WayboundError",
-    ),
-    "instances.auctions.orchard_jobs": ("OrchardJobs",),
-    "instances.risk.allocation": ("RiskAllocationInstance",),
-    "instances.risk.uncertain_graph": ("UncertainGraph",),
-    "instances.risk.risky_graph": ("RiskyGraph",),
-    "instances.routing.instance": ("Energy", "Group", "RoutingInstance", "Shipment", "Sites", "VehicleType"),
-    "instances.sata.constraints": ("Cardinality", "Knapsack", "PartitionMatroid"),
-    "instances.sata.set_functions": ("Coverage", "DenseFacilityLocation", "FacilityLocation", "UserFunction"),
-    "instances.sata.selection": ("SelectionInstance",),
-    "instances.sata.sensing_graph": ("SensingGraph",),
-    "instances.routing.travel": ("Travel",),
-    "reports.campaigns.frames": ("results",),
-    "reports.comparison": ("Comparison", "compare"),
-    "reports.missions.running": ("run",),
-    "reports.plots.history": ("plot_history",),
-    "solving.explaining": ("Explanation",),
+    module: tuple(names.split())
+    for module, names in {
+        "api": "bound check explain generate judge read solve",
+        "formulations.auctions.balanced_partition": "BalancedPartition",
+        "formulations.auctions.bin_assignment": "BinAssignment",
+        "formulations.auctions.generalised_assignment": "GeneralisedAssignment",
+        "formulations.auctions.joint_assignment": "JointAssignment",
+        "formulations.auctions.orchard_day": "OrchardDay",
+        "formulations.auctions.room_exploration": "RoomExploration",
+        "formulations.auctions.task_allocation": "TaskAllocation",
+        "formulations.certificate": "Certificate",
+        "formulations.evaluation": "Check Evaluation Violation",
+        "formulations.evidence": "Evidence Guarantee",
+        "formulations.problem": "Problem",
+        "formulations.programs.compiled": "Compiled",
+        "formulations.programs.exactness": "Exactness",
+        "formulations.programs.program": "Program Rows Variables",
+        "formulations.risk.allocations": "Allocation",
+        "formulations.risk.risk_allocation": "RiskAllocation",
+        "formulations.risk.risky_path": "RiskyPath",
+        "formulations.risk.uncertain_path": "UncertainPath",
+        "formulations.routing.named_problems": (
+            "cvrp makespan_orienteering mdvrp min_cost_vrp min_makespan_vrp orienteering pdptw recharging_vrp team_orienteering tsp vrptw"
+        ),
+        "formulations.routing.objective": "LatestReturn LongestRoute Makespan Objective Penalties Reward TotalCost TotalDuration Vehicles",
+        "formulations.routing.problem": "RoutingProblem",
+        "formulations.routing.routes": "Route Routes",
+        "formulations.sata.bottleneck_sata": "BottleneckSATA",
+        "formulations.sata.max_min_lp": "MaxMinLP",
+        "formulations.sata.selections": "Selection",
+        "formulations.sata.submodular_selection": "SubmodularSelection",
+        "formulations.sata.winner_takes_all_sata": "WinnerTakesAllSATA",
+        "formulations.solution": "Solution",
+        "heuristics.auctions.relay_steps.steiner_points": "RelayTree fermat_weber fewest_relays spanning_tree_relays",
+        "heuristics.sata.submodularity": "check_submodular",
+        "instances.auctions.assignment": "AssignmentInstance",
+        "instances.auctions.exploration_map": "ExplorationMap",
+        "instances.auctions.generalised_assignment": "GeneralisedAssignmentInstance",
+        "instances.auctions.orchard_jobs": "OrchardJobs",
+        "instances.auctions.robot_tasks": "RobotTasks",
+        "instances.errors": (
+            "CheckFailedError InputError MissingPackageError NoAnswerError SearchFailedError UnsupportedError UsageError WayboundError"
+        ),
+        "instances.risk.allocation": "RiskAllocationInstance",
+        "instances.risk.risky_graph": "RiskyGraph",
+        "instances.risk.uncertain_graph": "UncertainGraph",
+        "instances.routing.instance": "Energy Group RoutingInstance Shipment Sites VehicleType",
+        "instances.routing.travel": "Travel",
+        "instances.sata.constraints": "Cardinality Knapsack PartitionMatroid",
+        "instances.sata.selection": "SelectionInstance",
+        "instances.sata.sensing_graph": "SensingGraph",
+        "instances.sata.set_functions": "Coverage DenseFacilityLocation FacilityLocation UserFunction",
+        "reports.campaigns.frames": "results",
+        "reports.comparison": "Comparison compare",
+        "reports.missions.running": "run",
+        "reports.plots.history": "plot_history",
+        "solving.explaining": "Explanation",
+    }.items()
 }
 _WHERE = {name: module for module, names in _MODULES.items() for name in names}
 
@@ -239,31 +214,13 @@ class _Face(ModuleType):
 sys.modules[__name__].__class__ = _Face
 
 
-def _draw(solution: Solution, **options: Any) -> Any:
-    from .reports.plots import plot_solution
-
-    return plot_solution(solution, **options)
-
-
-def _page(solution: Solution, path: Any) -> str:
-    from .reports.pages.answers import answer_html
-
-    return answer_html(solution, path)
+def _later(module: str, name: str) -> Callable[..., Any]:
+    """A function of a module that is imported when it is called."""
+    return lambda *given, **options: getattr(importlib.import_module(f"waybound.reports.{module}"), name)(*given, **options)
 
 
-def _streets(solution: Solution) -> Any:
-    from .reports.pages.routing.streets import street_map
-
-    return street_map(solution)
-
-
-def _tell(problem: Problem) -> Any:
-    from .reports.tables.facts import facts, facts_table
-
-    return facts_table(facts(problem))
-
-
-plotting.draw, plotting.page, plotting.streets, plotting.tell = _draw, _page, _streets, _tell
+plotting.draw, plotting.page = _later("plots", "plot_solution"), _later("pages.answers", "answer_html")
+plotting.streets, plotting.tell = _later("pages.routing.streets", "street_map"), _later("tables.facts", "problem_table")
 
 
 def __getattr__(name: str) -> Any:

@@ -6,8 +6,6 @@ written, with an example that runs: ``docs/adding-*.md``.
 What stands here keeps its name and meaning within a minor version; other modules may move.
 """
 
-from __future__ import annotations
-
 from .formulations.checking.evidence_numbers import numbers as _evidence_numbers
 from .formulations.evaluation import (
     Check as Check,

@@ -1,7 +1,5 @@
 """The reference of the public interface: every public name in a group, told by its docstring."""
 
-from __future__ import annotations
-
 import waybound as wb
 from waybound import _MODULES
 

@@ -1,7 +1,5 @@
 """File formats and generators, from what is registered."""
 
-from __future__ import annotations
-
 from markdown_tables import markdown_table, plain
 
 from waybound.instances.formats import FORMATS, Format

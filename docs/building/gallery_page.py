@@ -3,8 +3,6 @@
 A script begins with a docstring, its title and a sentence, and ends with an expression that draws ``solution``.
 """
 
-from __future__ import annotations
-
 import ast
 import io
 from dataclasses import dataclass
@@ -65,7 +63,7 @@ def card(script: Path) -> Card:
     return Card(script.stem, title.rstrip("."), " ".join(words.split()), text.rpartition('"""')[2].strip())
 
 
-def run(one: Card) -> tuple[Solution, Any]:
+def run(one: Card) -> "tuple[Solution, Any]":
     """The solution that a script ends with, and the axes that it is drawn on."""
     tree = ast.parse(one.code)
     drawn = tree.body.pop()
@@ -97,7 +95,7 @@ def thumbnail(axes: Any) -> bytes:
     return small.getvalue()
 
 
-def figures(solution: Solution) -> str:
+def figures(solution: "Solution") -> str:
     """Value, bound and gap in a line."""
     bound = "no bound" if solution.bound is None else f"bound {number(solution.bound)} ({solution.bound_kind})"
     gap = "" if solution.gap is None else f", gap {percent(solution.gap)}"

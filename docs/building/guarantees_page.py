@@ -1,7 +1,5 @@
 """Heuristics with their stated guarantees, from what they declare."""
 
-from __future__ import annotations
-
 from markdown_tables import markdown_table, plain
 
 from waybound.heuristics.heuristic import HEURISTICS, Heuristic

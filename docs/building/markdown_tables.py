@@ -1,19 +1,10 @@
 """Tables as Markdown."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 
 
 def markdown_table(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """A pipe table; cells are Markdown but for bars and line ends, which would end them.
-
-    Parameters
-    ----------
-    head : sequence of str
-    rows : iterable of sequences of str
-        One entry a column each.
-    """
+    """A pipe table, one entry a column; cells are Markdown but for bars and line ends, which would end them."""
 
     def line(cells: Sequence[str]) -> str:
         return "| " + " | ".join(cells) + " |"

@@ -1,7 +1,5 @@
 """Notebooks: percent scripts of ``reports/notebooks``, executed and told as Markdown with their pictures."""
 
-from __future__ import annotations
-
 import os
 from dataclasses import dataclass
 from pathlib import Path

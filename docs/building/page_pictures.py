@@ -4,8 +4,6 @@
 on a desk and on a phone in the dark. Needs Chromium and its driver (Debian: ``chromium``, ``chromium-driver``).
 """
 
-from __future__ import annotations
-
 import argparse
 import io
 import shutil

@@ -4,8 +4,6 @@
 Needs Chromium.
 """
 
-from __future__ import annotations
-
 import argparse
 import re
 import shutil

@@ -1,7 +1,5 @@
 """Pages that mkdocs gets beside ``docs``: made from registries, the reference of the API, the gallery and the executed notebooks."""
 
-from __future__ import annotations
-
 import re
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Which solver and heuristic takes which variant: every cell is the answer of ``wb.solvers`` and ``wb.heuristics`` for a small problem."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Schedules of exchanges: robots with small batteries take turns at places that are never to be left alone, and what is wrong with one."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
@@ -35,20 +33,11 @@ class Aloft(NamedTuple):
 class ExchangeCase:
     """Places to be watched, and the robots that there are. All times are whole steps from now.
 
-    Raises InputError if arrays do not fit each other, or times are out of range.
+    A robot flies from its pad to a place, and back, in ``travel`` (robots, places) steps each way, at most ``flight`` steps from takeoff to
+    landing, and stays on its pad ``charge`` steps before the next takeoff. ``ready`` (robots,) says when a robot on its pad may take off,
+    and nothing of robots that are aloft. A place is watched in ``[begin, end)``, each of shape (places,).
 
-    Parameters
-    ----------
-    travel : int array of shape (robots, places), steps, >= 1
-        From a robot's pad to a place, and back.
-    flight : int, steps, >= 1
-        Longest time from takeoff to landing.
-    charge : int, steps, >= 0
-        On the pad from a landing to the next takeoff.
-    ready : int array of shape (robots,), >= 0
-        When a robot on its pad may take off; nothing of robots that are aloft.
-    begin, end : int arrays of shape (places,)
-        A place is watched in ``[begin, end)``.
+    Raises InputError if arrays do not fit each other, or times are out of range.
     """
 
     travel: Integers

@@ -1,7 +1,5 @@
 """A bare program as a problem of its own: its answer is a vector, judged against rows, bounds and integrality."""
 
-from __future__ import annotations
-
 import copy
 import math
 from collections.abc import Mapping, Sequence
@@ -166,7 +164,7 @@ class ArrayProblem(Problem):
                 f"{self.program.variable_name(column)} is no integer, so it may lie between two whole numbers", "contradiction"
             )
 
-    def restricted(self, decisions: Sequence[Decision]) -> ArrayProblem:
+    def restricted(self, decisions: Sequence[Decision]) -> "ArrayProblem":
         """The same arrays with tighter bounds; they may cross."""
         lower, upper = self.program.lower.copy(), self.program.upper.copy()
         for statement, holds in decisions:
@@ -211,7 +209,7 @@ class ArrayProblem(Problem):
         """A vector of shape (variables,)."""
         return self._vector(given)
 
-    def answer_to_frame(self, answer: Any) -> pd.DataFrame:
+    def answer_to_frame(self, answer: Any) -> "pd.DataFrame":
         """One row per variable: variable, value, lower, upper."""
         import pandas as pd
 

@@ -1,7 +1,5 @@
 """Tasks shared out among robots so that no part costs much more than another."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -118,7 +116,7 @@ class BalancedPartition(RobotShares):
         quantities = {"largest_part": max(costs), "smallest_part": min(costs), "all_parts": math.fsum(costs)}
         return Evaluation((value,), checks, faults, quantities, (max(size, abs(value)),))
 
-    def answer_to_frame(self, answer: Parts) -> pd.DataFrame:
+    def answer_to_frame(self, answer: Parts) -> "pd.DataFrame":
         """One row per task: robot, task, its weight, and the cost of the part that it is in."""
         import pandas as pd
 

@@ -1,7 +1,5 @@
 """Jobs to agents of limited capacity, at the least cost or the most profit: the generalised assignment problem."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
@@ -60,7 +58,7 @@ class GeneralisedAssignment(Problem):
     @classmethod
     def from_arrays(
         cls, values: Any, consumption: Any, capacity: Any, objective: str = OBJECTIVES[0], **further: Any
-    ) -> GeneralisedAssignment:
+    ) -> "GeneralisedAssignment":
         """A problem on arrays.
 
         Parameters
@@ -197,7 +195,7 @@ class GeneralisedAssignment(Problem):
         if not isinstance(answer, tuple) or len(answer) != self.num_jobs or not all(type(i) is int and -1 <= i < m for i in answer):
             raise UsageError(f"the start is no assignment of {self.num_jobs} jobs to {m} agents", "foreign")
 
-    def answer_to_frame(self, answer: AgentOfJob) -> pd.DataFrame:
+    def answer_to_frame(self, answer: AgentOfJob) -> "pd.DataFrame":
         """One row per job that is done: job, agent, cost or profit, consumption."""
         import pandas as pd
 

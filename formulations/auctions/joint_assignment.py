@@ -1,7 +1,5 @@
 """Which bin each robot fetches and to whom it brings a new one on the way, decided together: an axial three-index assignment."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from functools import cached_property
@@ -62,7 +60,7 @@ class JointAssignment(Problem):
         self.num_robots, self.num_bins, self.num_requests = instance.num_robots, instance.num_bins, instance.num_requests
 
     @classmethod
-    def from_arrays(cls, to_bin: Any, to_request: Any, between: Any, filled: Any = None, **further: Any) -> JointAssignment:
+    def from_arrays(cls, to_bin: Any, to_request: Any, between: Any, filled: Any = None, **further: Any) -> "JointAssignment":
         """A problem on arrays.
 
         Parameters
@@ -210,7 +208,7 @@ class JointAssignment(Problem):
             answer[numbers["robot"]] = numbers["bin"], numbers["request"]
         return tuple(answer)
 
-    def answer_to_frame(self, answer: Errands) -> pd.DataFrame:
+    def answer_to_frame(self, answer: Errands) -> "pd.DataFrame":
         """One row per robot that does something: robot, bin, request, time."""
         import pandas as pd
 

@@ -1,7 +1,5 @@
 """Largest matchings of bipartite graphs, and the vertex covers that prove them largest."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

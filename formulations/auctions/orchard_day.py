@@ -1,7 +1,5 @@
 """The rest of a day in the orchard, planned as a whole: which robot brings and fetches which bins, in which order."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -164,7 +162,7 @@ class OrchardDay(Problem):
         self._check_shape(answer)
         return answer
 
-    def answer_to_frame(self, answer: Trips) -> pd.DataFrame:
+    def answer_to_frame(self, answer: Trips) -> "pd.DataFrame":
         """One row per trip: robot, trip, bin brought, bin fetched (from 1), and the step at which it comes home."""
         import pandas as pd
 

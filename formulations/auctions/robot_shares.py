@@ -1,7 +1,5 @@
 """Base of the problems whose answers give every task to one robot."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import Any, ClassVar

@@ -1,7 +1,5 @@
 """Rooms explored, mapped and searched by robots that must be heard again and again: the most gain within so many steps."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -167,7 +165,7 @@ class RoomExploration(Problem):
         self._check_shape(plans)
         return plans
 
-    def answer_to_frame(self, answer: Plans) -> pd.DataFrame:
+    def answer_to_frame(self, answer: Plans) -> "pd.DataFrame":
         """One row per robot and step: robot, step, room, action, contact."""
         import pandas as pd
 

@@ -1,7 +1,5 @@
 """Tasks for robots: each is done by one robot, in the order of its path, from where it stands and without a way back."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -95,7 +93,7 @@ class TaskAllocation(RobotShares):
         quantities = {"busy_robots": float(busy), "total_length": math.fsum(lengths), "longest_path": max(lengths)}
         return Evaluation((self.value(answer),), checks, faults, quantities)
 
-    def answer_to_frame(self, answer: Paths) -> pd.DataFrame:
+    def answer_to_frame(self, answer: Paths) -> "pd.DataFrame":
         """One row per task: robot, place in its path, task, the leg to it, and the way until there."""
         import pandas as pd
 

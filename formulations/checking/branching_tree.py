@@ -9,8 +9,6 @@ No leaf is trusted, whatever found it: its problem is made of the problem's own 
 the checker of its kind. A tree whose leaves all have no answer proves that there is none.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

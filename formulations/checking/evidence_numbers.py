@@ -1,7 +1,5 @@
 """Reading evidence: plain lists of finite numbers, or an error that says what is wrong."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any

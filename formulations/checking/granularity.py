@@ -1,7 +1,5 @@
 """Lifting a bound to the next value that an objective can take at all."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,7 +1,5 @@
 """Row duals of a linear program multiplied out against its arrays: at most the least objective, whatever the duals, in safe arithmetic."""
 
-from __future__ import annotations
-
 import math
 import sys
 from dataclasses import dataclass

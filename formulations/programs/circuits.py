@@ -1,7 +1,5 @@
 """Circuits: binary columns tell which arcs of a graph are used, and used arcs make up closed walks."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Second-order and exponential cones, as blocks of affine images of a program's variables."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -49,7 +47,7 @@ class Cones:
         """Number of cones."""
         return len(self.offset) // self.width
 
-    def matrix(self, columns: int) -> sp.csr_matrix:
+    def matrix(self, columns: int) -> "sp.csr_matrix":
         """A as a scipy CSR matrix over ``columns`` variables."""
         import scipy.sparse as sp
 

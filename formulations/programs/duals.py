@@ -1,7 +1,5 @@
 """Value of a dual vector of a linear program."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

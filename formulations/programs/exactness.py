@@ -1,7 +1,5 @@
 """Exactness of programs: how their optimum relates to that of the problem."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from enum import Enum
 
@@ -24,7 +22,7 @@ class Exactness(Enum):
     RESTRICTION = "restriction"
     NEITHER = "neither"
 
-    def then(self, other: Exactness) -> Exactness:
+    def then(self, other: "Exactness") -> "Exactness":
         """Flag of applying ``self`` and then ``other``."""
         if self is other or other is Exactness.EXACT:
             return self

@@ -1,7 +1,5 @@
 """Blocks of rows from numpy arrays, without a matrix library."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any

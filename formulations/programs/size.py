@@ -1,7 +1,5 @@
 """Size of a program, estimated before it is built."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ...instances.errors import UsageError
@@ -28,7 +26,7 @@ class ProgramSize:
         """Memory to build the program and to give it to a solver; what a solver adds in its search is not counted."""
         return BYTES["column"] * self.columns + BYTES["row"] * self.rows + BYTES["entry"] * self.entries + self.work
 
-    def __add__(self, other: ProgramSize) -> ProgramSize:
+    def __add__(self, other: "ProgramSize") -> "ProgramSize":
         return ProgramSize(
             self.columns + other.columns, self.rows + other.rows, self.entries + other.entries, self.work + other.work
         )  # fmt: skip

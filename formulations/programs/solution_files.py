@@ -5,8 +5,6 @@ results as text or JSON are read. Zeros may be left out. Names are those of the 
 solvers make up where a model has none, are taken where every name is one.
 """
 
-from __future__ import annotations
-
 import json
 import math
 import re

@@ -1,7 +1,5 @@
 """Solutions as vectors of a program: from solvers' files, values by name, or solved models."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from os import PathLike

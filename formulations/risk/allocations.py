@@ -1,7 +1,5 @@
 """Answers of risk allocation: a decision, and the risk that each constraint is given; or in words why there is none."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -36,7 +34,7 @@ class Allocation:
     risks: Floats | None = None
 
     @classmethod
-    def of(cls, decision: ArrayLike, risks: ArrayLike | None = None) -> Allocation:
+    def of(cls, decision: ArrayLike, risks: ArrayLike | None = None) -> "Allocation":
         """An allocation of anything that numpy takes for vectors.
 
         Parameters
@@ -74,7 +72,7 @@ SHOWN_NAMES = 6
 """Most constraints that are named."""
 
 
-def contradiction(problem: RiskAllocation, data: Mapping[str, Any]) -> str:
+def contradiction(problem: "RiskAllocation", data: Mapping[str, Any]) -> str:
     """Evidence ``risk-allocation-duals`` that there is no answer, in words: the constraints that have a price."""
     fixed = _priced_names(data["rows"], problem.instance.constraint_names)
     names = _priced_names(data["chance"], [problem.names[constraint] for constraint in problem.constraint.tolist()])

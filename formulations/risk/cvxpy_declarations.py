@@ -1,7 +1,5 @@
 """Risk allocation declared with CVXPY: its canonical cone program becomes the data, so that CVXPY is needed once."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -11,6 +9,7 @@ from numpy.typing import ArrayLike
 
 from ...instances.errors import InputError, UnsupportedError
 from ...instances.risk.allocation import MOST_RISK, Affine, ChanceConstraints, Cone, CostTerm, Risk, RiskAllocationInstance
+from ...instances.risk.allocation_arrays import numbered
 from ...instances.risk.gaussian import Quantities
 from .allocations import Floats
 
@@ -55,11 +54,11 @@ def declared_instance(
     instance = RiskAllocationInstance(
         _bound(data.get("lower_bounds"), n, -math.inf), _bound(data.get("upper_bounds"), n, math.inf),
         _names([*own.values(), mean], columns, n), Quantities(selection, np.zeros(q), np.asarray(covariance, dtype=np.float64),
-        _numbered("y", q)), Affine(linear[None], np.zeros((1, q)), np.array([offset])),
+        numbered("y", q)), Affine(linear[None], np.zeros((1, q)), np.array([offset])),
         ChanceConstraints(Affine(np.zeros((q, n)), np.eye(q), np.zeros(q)), _each(limits, "limits", q),
                           constraint_names, np.arange(q)),
         Risk(risk, total, _each(caps, "each", q)),
-        affine(matrix[:linear_rows], np.zeros(linear_rows)), lower_sides, side[:linear_rows], _numbered("row", linear_rows),
+        affine(matrix[:linear_rows], np.zeros(linear_rows)), lower_sides, side[:linear_rows], numbered("row", linear_rows),
         _squares(data.get("P"), q), tuple(cones), sense, name, "cvxpy",
     )  # fmt: skip
     places = {name: (columns[v.id], v.shape) for name, v in own.items()}
@@ -96,10 +95,6 @@ def _each(value: Any, what: str, q: int) -> Floats:
     if values.shape not in ((), (q,)):
         raise InputError(f"{what} must be a number, or one a quantity", "wrong-shape", expected=str(q), found=str(values.shape))
     return np.broadcast_to(values, q).copy()
-
-
-def _numbered(letter: str, count: int) -> tuple[str, ...]:
-    return tuple(f"{letter}{k + 1}" for k in range(count))
 
 
 def _bound(bound: Any, n: int, none: float) -> Floats:

@@ -9,8 +9,6 @@ sample is worth between nothing and the sum of the probabilities, whatever their
 proved for bounded numbers, without a normal limit (Waudby-Smith and Ramdas 2023).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -194,7 +192,7 @@ class _Union:
         kept = values > len(values) * np.finfo(float).eps
         return np.asarray(vectors[:, kept] * np.sqrt(values[kept]))
 
-    def _counted(self, many: int, root: Floats, rng: np.random.Generator) -> Counts:
+    def _counted(self, many: int, root: Floats, rng: np.random.Generator) -> "Counts":
         """Worths of samples of the noise, given a failure, and how often each was drawn.
 
         With c constraints whose row fails, t edges of the tree between them, and a = 1 if one of them fails with all of its rows:

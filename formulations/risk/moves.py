@@ -5,8 +5,6 @@ walks that do not turn back on themselves are Dijkstra's on moves as vertices, e
 traverse elements. Source: Xiao (2019), algorithm 2 in logarithms; docs/formulations/risky-path.md#search-over-moves.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Hashable, Sequence
 from functools import cached_property
@@ -80,7 +78,7 @@ class MoveGraph:
         risks += [float(self.graph.least_risks(e, [-1], [-1], [start])[0]) for e in memoryless]
         return hazard_of(risks)
 
-    def with_any_risk(self) -> MoveGraph:
+    def with_any_risk(self) -> "MoveGraph":
         """The same moves without their risks."""
         return MoveGraph(self.graph, priced=False)
 

@@ -1,7 +1,5 @@
 """The normal distribution function and its inverse; scipy is loaded when one is first asked for."""
 
-from __future__ import annotations
-
 from typing import Any
 
 

@@ -8,8 +8,6 @@ and a set with the sum over its paths. For two sets this is (5.3) of Skeele (201
 deviation that is printed there. A path of no variance ends the integral at its cost.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -59,7 +57,7 @@ class PathSet:
     first_variance: float = 0.0
 
     @classmethod
-    def of(cls, costs: ArrayLike, first: tuple[float, float] = (0.0, 0.0)) -> PathSet:
+    def of(cls, costs: ArrayLike, first: tuple[float, float] = (0.0, 0.0)) -> "PathSet":
         """A set from pairs (mean, variance), and that of the first edge; raises InputError for no pair or numbers that are none."""
         pairs = np.array(costs, dtype=np.float64).reshape(-1, 2)
         every = np.vstack([pairs, first])

@@ -1,7 +1,5 @@
 """Paths at risk: the least risky way to a goal, and the most reward per risk."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -236,7 +234,7 @@ class RiskyPath(Problem):
             return tuple(int(s) for s in given)
         return tuple(indices_of(given, {self.graph.state_name(k): k for k in range(self.graph.num_states)}, "state"))
 
-    def answer_to_frame(self, answer: Any) -> pd.DataFrame:
+    def answer_to_frame(self, answer: Any) -> "pd.DataFrame":
         """One row per state: its name, place, reward, the risk of each element, and the risk of the path until then."""
         import pandas as pd
 

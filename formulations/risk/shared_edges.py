@@ -5,20 +5,15 @@ c_i - c_j <= 0: an orthant of n - 1 dimensions, whose probability is integrated 
 points.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...instances.errors import InputError, UsageError
-
-if TYPE_CHECKING:
-    from ...instances.risk.uncertain_graph import UncertainGraph
+from ...instances.risk.uncertain_graph import UncertainGraph
 
 Floats = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -45,7 +40,7 @@ class JointCosts:
     variance: Floats
 
     @classmethod
-    def of_paths(cls, graph: UncertainGraph, paths: Sequence[Sequence[int]], observed: Floats | None = None) -> JointCosts:
+    def of_paths(cls, graph: UncertainGraph, paths: Sequence[Sequence[int]], observed: Floats | None = None) -> "JointCosts":
         """Costs of paths through a graph; raises InputError if a path uses an edge that does not exist.
 
         ``observed`` has one entry per edge, a cost that is known or NaN.

@@ -1,7 +1,5 @@
 """Paths through a graph of normal edge costs: the least cost that is exceeded with a given probability at most."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import replace
@@ -136,7 +134,7 @@ class UncertainPath(Problem):
                 raise InputError(f"the path goes through an unknown vertex {str(name)[:80]!r}", "unknown-name")
         return tuple(numbers[str(name)] for name in names)
 
-    def answer_to_frame(self, answer: Path) -> pd.DataFrame:
+    def answer_to_frame(self, answer: Path) -> "pd.DataFrame":
         """One row per edge: from, to, mean, variance, and mean and standard deviation of the cost up to its end."""
         import pandas as pd
 

@@ -4,8 +4,6 @@ Each constructor checks that the data have what the name stands for, and leaves 
 depots and the like may be added to any of them.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace

@@ -7,17 +7,15 @@ import re
 from abc import ABC, abstractmethod
 from collections.abc import Iterator
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...instances.errors import UsageError
 from ...instances.printable import printable
+from ...instances.routing.sites import Sites
 from ...instances.suggestions import did_you_mean
-
-if TYPE_CHECKING:
-    from ...instances.routing.sites import Sites
 
 
 class Composable(ABC):

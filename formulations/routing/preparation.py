@@ -5,23 +5,18 @@ recharge on their way, each for one stop (``copies``), and the depot where route
 docs/formulations/routing.md#preparation. Source: Desrosiers, Dumas, Solomon, Soumis (1995), section 4.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...instances.routing.instance import VehicleType
 from ...instances.routing.reach import least_levels
 from ..tolerance import LIMIT, widened
+from .problem import RoutingProblem
 from .routes import Flags, Floats
-
-if TYPE_CHECKING:
-    from ...instances.routing.instance import VehicleType
-    from .problem import RoutingProblem
 
 Nodes = NDArray[np.int32]
 

@@ -1,19 +1,15 @@
 """The parts of a routing problem that an instance and ``--set`` values stand for."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...instances.errors import InputError, UsageError
 from ...instances.formats import FORMATS
+from ...instances.routing.instance import RoutingInstance
 from ...instances.routing.travel import convention_named
 from ...instances.suggestions import did_you_mean
 from .objective import Objective, default_objective, pointless
-
-if TYPE_CHECKING:
-    from ...instances.routing.instance import RoutingInstance
 
 KNOWN = ("vehicles", "vehicles-exactly", "capacity", "customers", "risk", "team-risk", "objective")
 

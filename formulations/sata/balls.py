@@ -4,8 +4,6 @@ Two targets are one hop apart if a robot sees both. The ball of a set of targets
 them, and the robots of those.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

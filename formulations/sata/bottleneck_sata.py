@@ -1,7 +1,5 @@
 """The bottleneck problem: choose actions so that the worst-covered target is covered as well as possible."""
 
-from __future__ import annotations
-
 import functools
 import math
 from collections.abc import Mapping
@@ -195,7 +193,7 @@ class BottleneckSATA(DecidedElements):
         """A ``Selection``, or a list of action indices or names; of the fractional problem a vector of shape (actions,)."""
         return self._shares(given) if self.fractional else selection_of(given, lambda: action_index(self.graph), "action")
 
-    def answer_to_frame(self, answer: Any) -> pd.DataFrame:
+    def answer_to_frame(self, answer: Any) -> "pd.DataFrame":
         """One row per action that is used: robot, action, share, targets it sees."""
         import pandas as pd
 

@@ -1,12 +1,10 @@
 """Elements that are decided on: the part of a problem of choosing that is left when some are taken and some are dropped."""
 
-from __future__ import annotations
-
 import copy
 from abc import abstractmethod
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,9 +14,6 @@ from ...instances.instance import digest
 from ...instances.printable import printable
 from ..evaluation import Evaluation, judge
 from ..problem import Decision, Problem
-
-if TYPE_CHECKING:
-    from typing import Self
 
 Elements = NDArray[np.int64]
 

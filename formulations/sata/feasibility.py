@@ -1,7 +1,5 @@
 """The sets that a constraint allows, within what a check lets pass for the rounding of sums, and the elements that may still join a set."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Iterator
 from typing import Any
 

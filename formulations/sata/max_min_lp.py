@@ -1,7 +1,5 @@
 """General max-min and min-max linear programs: packing rows against covering rows; and those that are bottleneck problems of robots."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from functools import cached_property
@@ -18,11 +16,11 @@ from ..evidence import Evidence
 from ..problem import PROBLEMS, Problem, refuse_settings
 from ..references import is_number, vector_of
 from ..tolerance import VECTOR
+from .bottleneck_sata import BottleneckSATA
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from .bottleneck_sata import BottleneckSATA
 
 Floats = NDArray[np.float64]
 
@@ -173,7 +171,7 @@ class MaxMinLP(Problem):
         """A vector of shape (variables,)."""
         return self._vector(given)
 
-    def answer_to_frame(self, answer: Any) -> pd.DataFrame:
+    def answer_to_frame(self, answer: Any) -> "pd.DataFrame":
         """One row per variable that is not 0: variable, value."""
         import pandas as pd
 

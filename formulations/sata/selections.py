@@ -1,7 +1,5 @@
 """Answers of selection and assignment problems: chosen elements, and actions of robots as JSON."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Any
@@ -35,7 +33,7 @@ class Selection:
     in_order: bool = field(default=False, compare=False)
 
     @classmethod
-    def of(cls, elements: Iterable[int], winners: Iterable[int] | None = None) -> Selection:
+    def of(cls, elements: Iterable[int], winners: Iterable[int] | None = None) -> "Selection":
         """A selection from any whole numbers.
 
         Parameters

@@ -1,7 +1,5 @@
 """Selection problems: choose elements of a ground set so that a set function is largest."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -149,7 +147,7 @@ class SubmodularSelection(DecidedElements):
         """A ``Selection``, or a list of element indices or names."""
         return selection_of(given, lambda: {self.element_name(e): e for e in range(self.num_elements)}, "element")
 
-    def answer_to_frame(self, answer: Selection) -> pd.DataFrame:
+    def answer_to_frame(self, answer: Selection) -> "pd.DataFrame":
         """One row per element, as the answer lists them: element, gain, value after it."""
         import pandas as pd
 

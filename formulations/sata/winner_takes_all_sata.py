@@ -1,7 +1,5 @@
 """Winner takes all: one robot is credited for each target, and the total quality is largest."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import replace
@@ -143,7 +141,7 @@ class WinnerTakesAllSATA(SubmodularSelection):
             credit[target] = robots[str(entry["robot"])]
         return Selection(chosen.elements, tuple(credit))
 
-    def answer_to_frame(self, answer: Selection) -> pd.DataFrame:
+    def answer_to_frame(self, answer: Selection) -> "pd.DataFrame":
         """One row per target: target, robot, action, weight; empty names where nobody sees it."""
         import pandas as pd
 

@@ -1,7 +1,5 @@
 """Exchanges of robots at places that are watched: scheduled one by one, and as a program with the fewest takeoffs."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """One step of an exploration by a team in which some robots relay what others read, and the limits of contact."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Tours of one robot that gathers from stores: the order of its waypoints by urgency, and how much it takes at each."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 

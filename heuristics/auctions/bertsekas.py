@@ -1,7 +1,5 @@
 """Heuristic ``bertsekas``: bids raise the price of a bin by its lead over the second best bin, and epsilon."""
 
-from __future__ import annotations
-
 import math
 
 from ...formulations.auctions.bin_assignment import BinAssignment

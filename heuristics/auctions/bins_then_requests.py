@@ -1,7 +1,5 @@
 """Heuristic ``bins-then-requests``: the best assignment of bins, then the best of requests for robots that have their bins."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ...formulations.auctions.bin_assignment import BinAssignment

@@ -1,7 +1,5 @@
 """Heuristic ``auction``: robots bid for their cheapest bins, and the lowest cost wins ("one-turn English auction")."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Mapping

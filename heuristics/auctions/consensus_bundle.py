@@ -1,7 +1,5 @@
 """Heuristic ``consensus-bundle``: consensus-based bundles (CBBA), an auction without an auctioneer over a communication graph."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 
@@ -65,7 +63,7 @@ def graph_of(communication: str, robots: int) -> NDArray[np.bool_]:
     return np.asarray(connected)
 
 
-def _agree(problem: TaskAllocation, communication: str, most: int | None, stop: Stop) -> Consensus:
+def _agree(problem: TaskAllocation, communication: str, most: int | None, stop: Stop) -> "Consensus":
     from .auction_steps.bidding_kernels import insertions
 
     starts, between = arrays_of(problem)

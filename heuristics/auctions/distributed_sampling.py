@@ -1,7 +1,5 @@
 """Heuristic ``distributed-sampling``: tasks move one by one from the dearest part to the cheapest."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

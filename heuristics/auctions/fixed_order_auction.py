@@ -1,7 +1,5 @@
 """Heuristic ``fixed-order-auction``: task after task, in a given order, joins the end of the path that is the shortest with it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,8 +1,6 @@
 """Heuristic ``heard-greedy``: each robot in turn takes the action of the most gain after which it can still be heard again in time by
 itself."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,7 +1,5 @@
 """Heuristic ``list-schedule``: bins of an orchard one after the other, each by the robot that has it home the soonest."""
 
-from __future__ import annotations
-
 import heapq
 
 from ...formulations.auctions.orchard_day import OrchardDay, in_order

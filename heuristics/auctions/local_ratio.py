@@ -1,7 +1,5 @@
 """Heuristic ``local-ratio``: one agent after the other fills its capacity with the jobs that gain most by coming to it."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

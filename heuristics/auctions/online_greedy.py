@@ -1,7 +1,5 @@
 """Heuristic ``online-greedy``: one robot after the other takes its cheapest free bin."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 import numpy as np

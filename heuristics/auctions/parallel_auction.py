@@ -1,7 +1,5 @@
 """Heuristic ``parallel-auction``: all tasks are auctioned at once, each by itself."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ...formulations.auctions.task_allocation import TaskAllocation

@@ -1,7 +1,5 @@
 """Heuristic ``sequential-single-item``: round after round all robots bid for all open tasks, and the lowest bid wins."""
 
-from __future__ import annotations
-
 from ...formulations.auctions.task_allocation import OBJECTIVES, TaskAllocation
 from ...formulations.evidence import Guarantee
 from ...instances.errors import UsageError

@@ -1,7 +1,5 @@
 """Heuristic ``shmoys-tardos``: the linear relaxation of a generalised assignment of costs, rounded by a matching of jobs to slots."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

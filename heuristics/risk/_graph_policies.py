@@ -1,7 +1,5 @@
 """Policies that say how to go through a graph of uncertain edge costs, vertex by vertex, while costs are observed."""
 
-from __future__ import annotations
-
 import copy
 import heapq
 import math

@@ -1,7 +1,5 @@
 """Additive risk: the conventional planner, which adds up the risks of places and sees neither moves nor history."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

@@ -1,7 +1,5 @@
 """Conditional value at risk over samples: a convex restriction of the joint risk that counts how far constraints fail, too."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Iterative risk allocation: constraints that leave risk unused give it to those that are active, and the plan is made again."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

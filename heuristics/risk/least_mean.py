@@ -1,7 +1,5 @@
 """Heuristic ``least-mean``: the path of the least mean cost, whatever its variance (naive A*)."""
 
-from __future__ import annotations
-
 from ...formulations.evidence import Guarantee
 from ...formulations.risk.uncertain_path import UncertainPath
 from ...solvers.engines.risk.supported_paths import shortest_path

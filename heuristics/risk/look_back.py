@@ -5,8 +5,6 @@ would save later is lost. Walks may come to a state twice, unless that is refuse
 Xiao (2019), section 4.2.2.1, with the start's risk counted and ties broken by the fewest moves; docs/formulations/risky-path.md#look-back.
 """
 
-from __future__ import annotations
-
 import heapq
 import itertools
 import math
@@ -30,7 +28,7 @@ class _Label:
     count: int
     move: int
     memory: int
-    before: _Label | None
+    before: "_Label | None"
 
 
 def look_back(problem: RiskyPath, steps: int, stop: Stop, *, revisits: bool = True) -> dict[int, tuple[float, Path]]:

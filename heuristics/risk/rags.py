@@ -1,7 +1,5 @@
 """Risk-aware graph search (RAGS): go where the cheapest of the non-dominated paths most probably lies."""
 
-from __future__ import annotations
-
 from typing import Self
 
 import numpy as np

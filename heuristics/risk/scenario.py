@@ -1,7 +1,5 @@
 """Scenario approach: a plan that keeps every constraint in each of so many samples keeps the risk with a stated confidence."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Two-stage: the best reward per risk among the least risky paths to all states."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ...formulations.evidence import Guarantee

@@ -1,7 +1,5 @@
 """Roles of robots that explore with small batteries: who carries a map home, and who gives itself up for it."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Sequence
@@ -39,21 +37,14 @@ class RelayRoles:
     """The automaton of each robot of a team, with thresholds of the text (``sacrifice``), the printed ones, or without roles (``home``).
 
     Of two that meet, the one of the lower number becomes the relay, which lands where its battery just lets it return to the base, and the
-    other its sacrifice, which explores until it just comes back to the relay, hands its map over and ends there. New roles replace old
-    ones (``overwritten``), or a relay keeps its own relay, to which it then returns (``chain``).
+    other its sacrifice, which explores until it just comes back to the relay, hands its map over and ends there. New roles replace old ones
+    (``overwritten``), or a relay keeps its own relay, to which it then returns (``chain``).
+
+    In steps: after ``period`` of exploration a robot goes to the place of its last meeting, it turns back with ``margin`` of energy to
+    spare, a relay waits ``patience`` on the ground, and the way back to it may be shorter by ``credit`` than to where it was seen: the
+    reach of radios.
 
     Source: Skeele (2016), section 4.3 and algorithm 4, repaired: docs/missions/unreliable-communication.md#errata.
-
-    Parameters
-    ----------
-    period : int, steps
-        Of exploration, after which a robot goes to the place of its last meeting.
-    margin : int, steps
-        Energy to spare at which it turns back.
-    patience : float, steps
-        For which a relay waits on the ground.
-    credit : int, steps
-        By which the way back to the relay may be shorter than to where it was seen: the reach of radios.
     """
 
     def __init__(

@@ -1,7 +1,5 @@
 """Christofides' algorithm: a tour of at most one and a half times the shortest one."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from ...formulations.routing.problem import RoutingProblem

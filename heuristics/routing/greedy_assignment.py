@@ -1,7 +1,5 @@
 """Greedy assignment: the vehicle that is free first takes the next site."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

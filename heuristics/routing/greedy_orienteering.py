@@ -1,7 +1,5 @@
 """Greedy orienteering: the site of the largest reward, or reward for the distance it adds, while any fits."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ...formulations.routing.problem import RoutingProblem

@@ -1,7 +1,5 @@
 """Solomon's sequential insertion, I1."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from typing import Any

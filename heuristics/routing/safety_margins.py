@@ -11,12 +11,10 @@ team's risk anew; then each of them keeps its own part and slope, beside its own
 from there, as iterative risk allocation does (Ono and Williams 2008): answers become no worse.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...formulations.evaluation import Checklist
 from ...formulations.forms import FORMS
@@ -24,21 +22,19 @@ from ...formulations.programs.exactness import Exactness
 from ...formulations.routing.forms.set_partitioning import over
 from ...formulations.routing.judge import check_route
 from ...formulations.routing.overrun import quantile, route_overrun
+from ...formulations.routing.problem import RoutingProblem
 from ...formulations.routing.routes import Route, Routes
 from ...formulations.routing.schedule import schedule
+from ...formulations.stop import Stop
 from ...instances.errors import InputError, UnsupportedError, UsageError, WayboundError
 from ...instances.routing.features import RISKS
+from ...instances.routing.travel import Travel
+from ...instances.routing.vehicle_type import VehicleType
 from ...solvers.backend import Control, Engine, Options, solver_named
 from ...solvers.backends.highs import Highs
 from ...solvers.engines.routing.pyvrp import PyVRP
 from ..heuristic import Context, Outcome, heuristic
 from .tour_steps.cutting import ended
-
-if TYPE_CHECKING:
-    from ...formulations.routing.problem import RoutingProblem
-    from ...formulations.stop import Stop
-    from ...instances.routing.travel import Travel
-    from ...instances.routing.vehicle_type import VehicleType
 
 EXACT = 10
 """Customers up to which solvers find answers by themselves (docs/formulations/routing.md#risk)."""

@@ -1,7 +1,5 @@
 """Savings: Clarke and Wright's parallel merging of routes, with loads, time windows and route limits."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Route first, cluster second: a tour through all customers, cut into routes in the best way."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Iterated tour partitioning: a tour through all customers, cut wherever a vehicle is full."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

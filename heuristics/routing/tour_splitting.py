@@ -1,7 +1,5 @@
 """Tour splitting: one tour, cut so that the longest of a given number of routes is short."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ...formulations.routing.objective import LongestRoute

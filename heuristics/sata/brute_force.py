@@ -1,7 +1,5 @@
 """Brute force: all answers, on instances small enough for it."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator

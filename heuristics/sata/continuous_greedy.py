@@ -1,7 +1,5 @@
 """Continuous greedy: climb on the expected value of a random set, then round without loss."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

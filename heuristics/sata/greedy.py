@@ -1,7 +1,5 @@
 """Greedy, plain and lazy: the largest gain again and again; for a bottleneck, robot by robot the best worst target."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 
 from ...formulations.sata.bottleneck_sata import BottleneckSATA

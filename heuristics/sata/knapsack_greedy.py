@@ -1,7 +1,5 @@
 """Knapsack greedy: gain per cost, begun afresh from every small set."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from abc import ABC, abstractmethod

@@ -1,7 +1,5 @@
 """Local: robots that divide themselves after what they learn of their surroundings."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

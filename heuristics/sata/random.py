@@ -1,7 +1,5 @@
 """Random: the baseline that every method should beat."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ...formulations.sata.bottleneck_sata import BottleneckSATA

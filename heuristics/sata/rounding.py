@@ -1,7 +1,5 @@
 """Whole actions from shares, of which the largest come first, and the heuristic that takes the shares of the linear relaxation."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

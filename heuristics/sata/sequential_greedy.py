@@ -1,7 +1,5 @@
 """Sequential greedy: one group after the other picks what adds most to what the ones before it have picked."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Stochastic greedy: the best element of a random sample, again and again."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

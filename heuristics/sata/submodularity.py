@@ -1,7 +1,5 @@
 """``check_submodular``: samples for diminishing returns of a set function, with a counterexample where it has none."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Beliefs about rooms, one distribution of a room's type and of whether it holds a target, and the worth of what robots do there."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 
@@ -33,7 +31,7 @@ def probabilities(what: str, table: ArrayLike, states: int) -> Floats:
     return rows
 
 
-def sensors_from_text(types: str, targets: str) -> Sensors:
+def sensors_from_text(types: str, targets: str) -> "Sensors":
     """Sensors from two tables as text, rows apart by ``;``: of readings of types, and of a target and none; InputError if one is none."""
     read = []
     for what, text, states in (("type-sensor", types, 3), ("target-sensor", targets, 2)):

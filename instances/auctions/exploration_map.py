@@ -1,7 +1,5 @@
 """Rooms that robots explore, map and search, and from where they are heard."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any

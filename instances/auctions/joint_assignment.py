@@ -1,7 +1,5 @@
 """Robots that bring something to a request on the way to the bin that they fetch."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Annotated, Any

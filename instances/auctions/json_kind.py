@@ -1,7 +1,5 @@
 """Kinds of instances of auctions and task allocation in waybound's JSON; the keys are documented in ``docs/formats.md``."""
 
-from __future__ import annotations
-
 from ..kinds import KINDS, kind_of
 from .assignment import AssignmentInstance
 from .exploration_map import ExplorationMap

@@ -1,7 +1,5 @@
 """An orchard's lanes: cells, distances and travel times."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from functools import cached_property
 

@@ -1,7 +1,5 @@
 """Bins of an orchard that robots bring and fetch: what is known of the rest of a day."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -80,7 +78,7 @@ class OrchardJobs(Declared):
     num_robots, num_bins = CountOf("robot"), CountOf("bin")
 
     @classmethod
-    def of_routes(cls, rules: OrchardRules, start: OrchardStart, name: str = "orchard-jobs") -> OrchardJobs:
+    def of_routes(cls, rules: OrchardRules, start: OrchardStart, name: str = "orchard-jobs") -> "OrchardJobs":
         """A whole day of groups that keep to routes of their own.
 
         Parameters

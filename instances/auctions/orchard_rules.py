@@ -1,7 +1,5 @@
 """The rules of an orchard's day, and where its groups begin."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple

@@ -1,7 +1,5 @@
 """File formats: each module registers one, with its reader and, where it has one, its writer."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any

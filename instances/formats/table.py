@@ -1,7 +1,5 @@
 """Tables in text, which all CSV formats are: settings in comment lines, a line of titles, and rows."""
 
-from __future__ import annotations
-
 import csv
 import io
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence

@@ -1,7 +1,5 @@
 """waybound's JSON: every kind of instance, exact to the bit. The schema is documented in ``docs/formats.md``."""
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 from typing import Any

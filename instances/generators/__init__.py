@@ -1,7 +1,5 @@
 """Seeded generators of instances: each module registers one."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any

@@ -4,8 +4,6 @@ numpy may change the streams of its distributions between releases, and has done
 stream, so everything is made from them, and an instance stays the same under every numpy.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 

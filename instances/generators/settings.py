@@ -1,7 +1,5 @@
 """Settings of generators, as they come from Python or as text from the command line."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """Risk allocation as data: decisions, a convex cost, Gaussian quantities, and constraints of which few may fail."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
@@ -280,6 +278,6 @@ class RiskAllocationInstance:
             self.risk.kind, self.risk.total, self.risk.each, *budgets,
         )  # fmt: skip
 
-    def with_risk(self, **changes: Any) -> RiskAllocationInstance:
+    def with_risk(self, **changes: Any) -> "RiskAllocationInstance":
         """The same with another kind of risk, total, or both."""
         return replace(self, risk=replace(self.risk, **changes))

@@ -1,7 +1,5 @@
 """Data of risk allocation from numpy arrays and pandas frames, whose labels are names: frames are put in order by them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -68,17 +66,18 @@ def allocation_from_arrays(
     least = names.take("lower", -math.inf if lower is None else lower, (DECISION,), (n,), one=True)
     largest = names.take("upper", math.inf if upper is None else upper, (DECISION,), (n,), one=True)
     return RiskAllocationInstance(
-        least, largest, names.of(DECISION) or _numbered("x", n),
-        Quantities(mean_map, shift, spread, names.of(QUANTITY) or _numbered("y", q)),
+        least, largest, names.of(DECISION) or numbered("x", n),
+        Quantities(mean_map, shift, spread, names.of(QUANTITY) or numbered("y", q)),
         Affine(linear[None], np.zeros((1, q)), np.zeros(1)),
         ChanceConstraints(Affine(np.zeros((many, n)), over, np.zeros(many)), sides, constraint_names, owner),
         Risk(risk, None if total is None else float(total), caps, shares),
-        Affine(fixed, np.zeros((len(fixed), q)), np.zeros(len(fixed))), below, above, names.of(CONSTRAINT) or _numbered("", len(fixed)),
+        Affine(fixed, np.zeros((len(fixed), q)), np.zeros(len(fixed))), below, above, names.of(CONSTRAINT) or numbered("", len(fixed)),
         sense=sense, name=name,
     )  # fmt: skip
 
 
-def _numbered(letter: str, count: int) -> tuple[str, ...]:
+def numbered(letter: str, count: int) -> tuple[str, ...]:
+    """The letter with 1, 2, ... behind it."""
     return tuple(f"{letter}{k + 1}" for k in range(count))
 
 

@@ -1,7 +1,5 @@
 """Risk allocation in waybound's JSON; the keys are documented in ``docs/formats.md``."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

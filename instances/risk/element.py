@@ -3,8 +3,6 @@
 Source: Xiao (2019), chapter 3; docs/formulations/risky-path.md#risk-elements.
 """
 
-from __future__ import annotations
-
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Hashable

@@ -1,7 +1,5 @@
 """Risk elements in waybound's JSON; the keys are documented in ``docs/formats.md``."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -6,8 +6,6 @@ put together as a list; the risk of the path is ``1 - prod (1 - r)`` over states
 Source: Xiao (2019), chapter 3; docs/formulations/risky-path.md#risk-elements.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import ClassVar

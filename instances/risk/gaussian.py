@@ -1,7 +1,5 @@
 """Gaussian quantities that depend linearly on decisions, stated directly or as the states of a linear system."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -49,7 +47,7 @@ class Dynamics:
         check_covariance("dynamics: noise", self.noise)
         check_covariance("dynamics: start_covariance", self.start_covariance)
 
-    def quantities(self) -> Quantities:
+    def quantities(self) -> "Quantities":
         """The states of steps 1 to ``steps``, step after step."""
         n, m, steps = len(self.state_names), len(self.input_names), self.steps
         powers = [np.eye(n)]
@@ -81,16 +79,8 @@ class Dynamics:
 class Quantities:
     """Jointly Gaussian quantities ``y ~ N(map x + offset, covariance)`` of decisions x.
 
-    Parameters
-    ----------
-    map : array of shape (quantities, decisions)
-    offset : array of shape (quantities,)
-    covariance : array of shape (quantities, quantities)
-        Positive semidefinite.
-    dynamics : Dynamics, optional
-        Where they come from.
-    checked : bool
-        Whether the covariance is known to be one.
+    ``map`` has shape (quantities, decisions); ``covariance`` is positive semidefinite, and ``checked`` says that this is known.
+    ``dynamics`` are where they come from.
     """
 
     map: Floats

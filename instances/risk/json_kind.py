@@ -1,7 +1,5 @@
 """Kinds of instances with risk in waybound's JSON; the keys are documented in ``docs/formats.md``."""
 
-from __future__ import annotations
-
 from ..kinds import KINDS, Kind, kind_of
 from . import allocation_files
 from .risky_graph import RiskyGraph

@@ -1,7 +1,5 @@
 """Obstacles as boxes along the axes, and what of a map a straight line can reach."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

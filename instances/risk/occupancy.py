@@ -3,8 +3,6 @@
 Source: Xiao (2019), section 3.3.1, which leaves open how quantities become probabilities; docs/formulations/risky-path.md#risk-elements.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import dataclass

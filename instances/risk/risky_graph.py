@@ -1,7 +1,5 @@
 """Graphs whose states and moves carry risk, as a file gives them."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -137,9 +135,9 @@ class RiskyGraph(Declared):
 
     @classmethod
     def from_networkx(
-        cls, graph: nx.DiGraph, elements: Iterable[RiskElement], start: Any, *, conditional: bool, goals: Iterable[Any] = (),
+        cls, graph: "nx.DiGraph", elements: Iterable[RiskElement], start: Any, *, conditional: bool, goals: Iterable[Any] = (),
         reward: str = "reward", position: str = "pos", **further: Any,
-    ) -> RiskyGraph:  # fmt: skip
+    ) -> "RiskyGraph":  # fmt: skip
         """An instance from a networkx graph, directed or not; states are its nodes in their order.
 
         Parameters

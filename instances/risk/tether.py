@@ -3,8 +3,6 @@
 Source: Xiao (2019), algorithm 4 with its gaps filled; docs/formulations/risky-path.md#tethers.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Sequence

@@ -3,8 +3,6 @@
 Source: Xiao (2019), section 3.3.3; docs/formulations/risky-path.md#risk-elements.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Places from which an aerial robot takes pictures of a field, and the cells that are in them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

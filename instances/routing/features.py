@@ -1,7 +1,5 @@
 """Features of routing data, in the vocabulary in which file formats, problems, forms, solvers and heuristics name what they can express."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from functools import partial

@@ -1,7 +1,5 @@
 """Fleets of equal vehicles, and the problems that the data of an instance allow."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

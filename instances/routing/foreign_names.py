@@ -5,8 +5,6 @@ VRPSolverEasy 0.1, vrplib and VRPLIB's sections, Timefold, ArcGIS, vrpy, jsprit 
 Cordeau, and Li and Lim. Left out are words that more often stand for something else: jsprit's ``size``, vrpy's ``lower`` and ``upper``.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Collection, Iterator, Mapping
 from functools import cache

@@ -1,7 +1,5 @@
 """Arguments of ``RoutingProblem.from_frame``, and the checks of those that are one number or one text."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Vehicle types from a frame, one row per type, or from mappings with the keys of waybound's JSON."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace

@@ -1,7 +1,5 @@
 """Time windows, shipments and groups as users give them: lists and mappings, or frames with one row per window, a shipment, a member."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager

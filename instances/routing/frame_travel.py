@@ -1,7 +1,5 @@
 """Distances and durations as people have them: matrices, lists of moves, road graphs, and what routing services answer."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

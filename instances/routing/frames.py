@@ -1,7 +1,5 @@
 """Routing instances from what people have: a frame of sites, a frame of vehicles, and distances from anywhere."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from os import PathLike
@@ -32,7 +30,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
 
-def instance_from_frame(sites: pd.DataFrame, *, source: str = "frame", **keywords: Any) -> RoutingInstance:
+def instance_from_frame(sites: "pd.DataFrame", *, source: str = "frame", **keywords: Any) -> RoutingInstance:
     """An instance of format ``source`` from pandas frames; ``keywords`` and errors are those of ``RoutingProblem.from_frame``."""
     arguments = FrameArguments(**keywords)
     travel, fleet = arguments.travel, entries_of(arguments.fleet)

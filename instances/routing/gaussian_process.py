@@ -1,7 +1,5 @@
 """A Gaussian process over the plane that learns from noisy measurements, each with a noise of its own."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np
@@ -52,14 +50,14 @@ class GaussianProcess:
     _whitened: Floats
 
     @classmethod
-    def prior(cls, kernel: SquaredExponential, points: Floats) -> GaussianProcess:
+    def prior(cls, kernel: SquaredExponential, points: Floats) -> "GaussianProcess":
         """The belief before the first measurement, with mean 0."""
         count, none = len(points), np.zeros(0)
         return cls(
             kernel, points, np.zeros(count), kernel(points, points), none.reshape(0, 2), none.reshape(0, 0), none.reshape(0, count), none
         )
 
-    def given(self, places: Floats, values: ArrayLike, noise: ArrayLike) -> GaussianProcess:
+    def given(self, places: Floats, values: ArrayLike, noise: ArrayLike) -> "GaussianProcess":
         """The belief after measuring ``values`` at ``places``, shape (n, 2), with variances ``noise``. Raises InputError for no noise."""
         from scipy.linalg import cholesky, solve_triangular
 

@@ -1,7 +1,5 @@
 """Coordinates of a frame of sites: in the plane, or latitude and longitude in decimal degrees."""
 
-from __future__ import annotations
-
 import base64
 import math
 import warnings
@@ -9,17 +7,15 @@ import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..number_arrays import Floats
+from .frame_columns import Columns
 from .travel import Travel
-
-if TYPE_CHECKING:
-    from .frame_columns import Columns
 
 INHABITED = 66.0
 """Degrees of latitude, north or south, beyond which few vehicles drive."""

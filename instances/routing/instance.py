@@ -1,7 +1,5 @@
 """Routing instances: validated, immutable arrays that know no problem class and no solver."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -86,7 +84,7 @@ class RoutingInstance:
         check_routing_data(self.sites, self.travel, self.fleet, self.min_vehicles, self.team_risk, self.clock)
         check_moves(self.sites, self.forbidden)
 
-    def with_customers(self, count: int) -> RoutingInstance:
+    def with_customers(self, count: int) -> "RoutingInstance":
         """The depots and the first ``count`` customers, as the short versions of Solomon's files are made."""
         customers = self.sites.customers
         if not 1 <= count <= len(customers):

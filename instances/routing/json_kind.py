@@ -1,7 +1,5 @@
 """Routing instances in waybound's JSON; the keys are documented in ``docs/formats.md``."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

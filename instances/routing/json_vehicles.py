@@ -1,7 +1,5 @@
 """Travel and vehicle types in waybound's JSON; the keys are documented in ``docs/formats.md``."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial

@@ -3,8 +3,6 @@
 Source: Mitchell (2020), chapters 3 to 6; what was repaired: docs/missions/persistent-exploration.md#errata.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any
@@ -175,7 +173,7 @@ class Beams:
     there: Flags
 
     @classmethod
-    def of(cls, reach: float, field: float, count: int) -> Beams:
+    def of(cls, reach: float, field: float, count: int) -> "Beams":
         """``count`` beams of ``reach`` cells, evenly over ``field`` degrees around east."""
         angles = np.radians((np.arange(count) + 0.5) / count * field - field / 2.0)
         rows: list[NDArray[np.int64]] = [np.zeros((1, 2), dtype=np.int64)]

@@ -1,7 +1,5 @@
 """Maps of occupancy cells: of hidden Markov models whose rates are learnt, or of confidence that decays as periods of change are learnt."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -33,23 +31,11 @@ RAREST_RATE = 1e-4
 class MarkovMap:
     """Each cell a hidden Markov model of free and occupied whose rates are learnt by online expectation maximisation.
 
-    Source: Mitchell (2020), section 4.2; the map is taken for what it is now when ways are planned, as in chapter 5.
+    ``prior`` (cells,) are probabilities of occupied at the start, ``seconds`` the time of a step, ``rate`` the probability of each change
+    in a step at the start, ``forgetting`` the weight of a step in what is learnt, and ``window`` the seconds in which transitions are
+    counted: ``observed`` ones with each reading, from what was more probable after the reading before, or ``believed`` ones, one a step.
 
-    Parameters
-    ----------
-    prior : array of shape (cells,)
-        Probabilities of occupied at the start.
-    seconds : float
-        Time of a step.
-    rate : float
-        Probability of each change in a step, at the start.
-    forgetting : float
-        Weight of a step in what is learnt.
-    window : float, s
-        Time in which transitions are counted.
-    counted : str
-        ``observed``: a transition is counted with each reading, from what was more probable after the reading before; ``believed``: one
-        a step.
+    Source: Mitchell (2020), section 4.2; the map is taken for what it is now when ways are planned, as in chapter 5.
     """
 
     def __init__(
@@ -106,22 +92,12 @@ class MarkovMap:
 class DecayMap:
     """Each cell's log-odds shrink at a rate that goes with its learnt period of change; without ``learning`` they stay.
 
-    Source: Mitchell (2020), (3.2)-(3.6), with (3.4) of log-odds.
+    ``prior``, ``sensor`` and ``seconds`` are as in ``MarkovMap``; ``period`` (s) and ``variance`` (s2) are those of changes at the start,
+    ``process`` and ``noise`` (s2) the variances of what periods do by themselves in a step, and of a measurement. ``surest`` is the largest
+    confidence (``1 - surest`` the least), ``occupied`` and ``free`` are thresholds. A change is measured ``since`` the ``shift`` before it,
+    or since the ``last`` reading, as (3.5) prints.
 
-    Parameters
-    ----------
-    prior, sensor
-        As of ``MarkovMap``.
-    seconds : float
-        Time of a step.
-    period, variance : float, s and s2
-        Period of change at the start, and its variance.
-    process, noise : float, s2
-        Variances of what periods do by themselves in a step, and of a measurement.
-    surest, occupied, free : float
-        Largest confidence (``1 - surest`` the least), and thresholds of occupied and free.
-    since : str
-        What a change is measured from: ``shift``, the change before, or ``last``, the reading before, as (3.5) prints.
+    Source: Mitchell (2020), (3.2)-(3.6), with (3.4) of log-odds.
     """
 
     def __init__(

@@ -4,8 +4,6 @@ The reader of files, the preparation of forms, and the search for reasons why th
 reasons have their own, so that no mistake made here is confirmed there.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace

@@ -6,8 +6,6 @@ OSRM: ``distances`` in metres, ``durations`` in seconds, null where there is no 
 Source: OSRM API documentation, "Table service"; Valhalla documentation, "Matrix service".
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

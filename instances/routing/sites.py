@@ -1,7 +1,5 @@
 """Sites of a routing instance: validated, immutable columns, and what holds between sites."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -156,7 +154,7 @@ class Sites:
         groups: Iterable[Group] = (),
         attributes: Mapping[str, Sequence[Any]] | None = None,
         geographic: bool = False,
-    ) -> Sites:
+    ) -> "Sites":
         """Sites from arrays or scalars; without ``depot`` the first site is the only depot.
 
         ``demand`` and ``pickup`` of shape (sites, dimensions) hold several loads. ``windows`` and ``skills`` are by site index; a site
@@ -358,7 +356,7 @@ class Sites:
         """Index of each id."""
         return {site: k for k, site in enumerate(self.ids)}
 
-    def subset(self, sites: ArrayLike) -> Sites:
+    def subset(self, sites: ArrayLike) -> "Sites":
         """The given sites, in the given order; groups keep the members that are among them.
 
         Raises

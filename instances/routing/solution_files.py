@@ -6,8 +6,6 @@ the depot comes first, as in all common benchmark files, that is the row number 
 included.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterable, Sequence

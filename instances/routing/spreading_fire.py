@@ -1,7 +1,5 @@
 """A fire that wind drives over a map of cells: when each catches fire, and how intensely it burns."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import lru_cache
@@ -63,7 +61,7 @@ def grid_moves(rows: int, columns: int, offsets: tuple[tuple[int, int], ...]) ->
     return tail, to_row[tail, which] * columns + to_column[tail, which], steps[which].astype(np.float64)
 
 
-def move_graph(rows: int, columns: int, tail: Whole, head: Whole, weights: Floats) -> sparse.csr_matrix:
+def move_graph(rows: int, columns: int, tail: Whole, head: Whole, weights: Floats) -> "sparse.csr_matrix":
     """The moves of ``grid_moves`` with their weights, as ``scipy.sparse.csgraph`` takes them."""
     from scipy import sparse
 

@@ -1,7 +1,5 @@
 """Truth about a grid of cells: obstacles, cells that change, and lanes between blocks."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any

@@ -1,7 +1,5 @@
 """Distances and durations between sites under a stated rounding convention."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property, partial
@@ -236,11 +234,11 @@ class Travel:
         assert data is not None
         return len(data)
 
-    def with_convention(self, convention: str) -> Travel:
+    def with_convention(self, convention: str) -> "Travel":
         """The same travel under another rounding convention."""
         return replace(self, convention=convention)
 
-    def subset(self, sites: ArrayLike) -> Travel:
+    def subset(self, sites: ArrayLike) -> "Travel":
         """The travel between the given sites, in the given order."""
         keep = np.asarray(sites, dtype=np.int64)
         cut: Callable[[Floats | None], Floats | None] = lambda m: None if m is None else m[np.ix_(keep, keep)]  # noqa: E731
@@ -250,7 +248,7 @@ class Travel:
             variances=cut(self.variances),
         )  # fmt: skip
 
-    def at_speed(self, speed: float) -> Travel:
+    def at_speed(self, speed: float) -> "Travel":
         """The same distances, in durations divided by ``speed``."""
         if speed == 1.0:
             return self

@@ -1,7 +1,5 @@
 """Kinds of vehicles: where they start, what they carry, how long they last, what they cost."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, fields
 

@@ -1,7 +1,5 @@
 """Kinds of instances of sensing and selection in waybound's JSON; the keys are documented in ``docs/formats.md``."""
 
-from __future__ import annotations
-
 from ..kinds import KINDS, kind_of
 from .max_min_lp import MaxMinInstance
 from .selection import SelectionInstance

@@ -1,7 +1,5 @@
 """Packing and covering data: two nonnegative matrices over the same variables."""
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -33,7 +31,7 @@ class SparseMatrix:
     columns: int
 
     @classmethod
-    def of(cls, matrix: Any) -> SparseMatrix:
+    def of(cls, matrix: Any) -> "SparseMatrix":
         """A matrix from a sparse one of scipy or anything that numpy takes for a matrix; zeros are left out."""
         import scipy.sparse as sp
 

@@ -1,7 +1,5 @@
 """Gaussian-mixture filter of a probability hypothesis density: how many targets there are, and where, from detections in discs."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, fields
 
@@ -29,11 +27,11 @@ class Mixture:
     means: Floats
     covariances: Floats
 
-    def part(self, rows: Flags | Integers) -> Mixture:
+    def part(self, rows: Flags | Integers) -> "Mixture":
         """The mixture of the given components alone."""
         return Mixture(self.weights[rows], self.means[rows], self.covariances[rows])
 
-    def joined(self, other: Mixture) -> Mixture:
+    def joined(self, other: "Mixture") -> "Mixture":
         """The components of both, its own first."""
         pairs = ((self.weights, other.weights), (self.means, other.means), (self.covariances, other.covariances))
         return Mixture(*(np.concatenate(pair) for pair in pairs))
@@ -43,29 +41,16 @@ class Mixture:
 class PHDFilter:
     """Rules of the filter; a method a stage.
 
+    A robot sees a disc of radius ``sensing`` (m). A target in it is detected, and one is there a step later, with the probabilities
+    ``detection`` and ``survival``; ``clutter`` is that of a false detection in a step of a robot, uniform in the disc. ``noise`` and
+    ``drift`` (m) are standard deviations of a measured coordinate, and of a coordinate's change in a step. Components of a weight below
+    ``prune`` are dropped, those within the squared Mahalanobis distance ``merge`` merged, and each detection adds one of weight ``birth``.
+    Of components at the border of the disc ``repulsion`` pushes out, by (2.11), ``all`` (the part of each that was not detected, as
+    printed), the ``undetected`` (those alone that no detection is more likely to come from) or ``none``.
+
     Raises InputError if a probability lies outside [0, 1], or another number is negative.
 
     Source: Sung (2019), section 2.4, after Vo and Ma (2006); readings and errata: docs/missions/search-and-track.md.
-
-    Parameters
-    ----------
-    sensing : float
-        Radius of the disc that a robot sees, m.
-    detection, survival : float
-        Probabilities that a target in the disc is detected, and that it is there a step later.
-    clutter : float
-        Probability of a false detection in a step of a robot, uniform in the disc.
-    noise : float
-        Standard deviation of each measured coordinate, m.
-    drift : float
-        Standard deviation by which a coordinate is expected to change in a step, m.
-    prune, merge : float
-        Weight below which components are dropped, and squared Mahalanobis distance within which they are merged.
-    birth : float
-        Weight of the component that each detection adds.
-    repulsion : str
-        Which components at the border of the disc are pushed out of it, (2.11): ``all`` (the part of each that was not detected, as
-        printed), ``undetected`` (of those alone that no detection is more likely to come from) or ``none``.
     """
 
     sensing: float = 25.0

@@ -1,7 +1,5 @@
 """A selection as a file gives it: a ground set, a set function, and a constraint on what may be chosen together."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import pairwise

@@ -1,7 +1,5 @@
 """Set functions over a ground set of elements, numbered from 0: what each is worth, and the data that algorithms and checkers read."""
 
-from __future__ import annotations
-
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
@@ -51,14 +49,14 @@ class ItemWeights:
     num_items: int
 
     @classmethod
-    def sparse(cls, layout: int, indptr: Indices, indices: Indices, weights: Floats, num_items: int) -> ItemWeights:
+    def sparse(cls, layout: int, indptr: Indices, indices: Indices, weights: Floats, num_items: int) -> "ItemWeights":
         return cls(
             layout, _frozen(indptr, np.int32), _frozen(indices, np.int32), _frozen(weights, np.float64),
             _frozen(np.zeros((0, 0)), np.float64), num_items,
         )  # fmt: skip
 
     @classmethod
-    def dense(cls, matrix: NDArray[np.floating[Any]]) -> ItemWeights:
+    def dense(cls, matrix: NDArray[np.floating[Any]]) -> "ItemWeights":
         none = np.zeros(0)
         return cls(
             IN_MATRIX, _frozen(none, np.int32), _frozen(none, np.int32), _frozen(none, np.float64), _frozen(matrix, matrix.dtype),
@@ -276,7 +274,7 @@ class Coverage(_Checked):
     item_weights: Floats
 
     @classmethod
-    def from_sets(cls, sets: Any, item_weights: ArrayLike) -> Coverage:
+    def from_sets(cls, sets: Any, item_weights: ArrayLike) -> "Coverage":
         """A coverage function from one list of items an element; items are numbers from 0, and repeated ones count once.
 
         Parameters

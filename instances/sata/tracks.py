@@ -1,7 +1,5 @@
 """Tracks through the components of a filter, their motion by Gaussian processes, and the distance of two sets of points."""
 
-from __future__ import annotations
-
 import math
 from collections import deque
 from dataclasses import dataclass, field
@@ -27,22 +25,12 @@ class Track:
 class TrackRules:
     """Rules of tracks, and of their motion.
 
-    Source: Sung (2019), sections 2.4 and 2.5, (2.7) and (2.8); docs/missions/search-and-track.md.
+    A component of a weight above ``threshold`` is a target. A track goes on with a component within the squared Mahalanobis distance
+    ``gate``, counts from a length of ``confirm`` steps, and outlives ``patience`` steps without a component. Motion is learnt from the
+    latest ``window`` positions (0: tracks stay, as other components do) by a Gaussian process of ``length_scale`` steps and
+    ``kernel_noise``, the standard deviation of a position as a share of that of the motion.
 
-    Parameters
-    ----------
-    threshold : float
-        Weight above which a component is a target.
-    confirm : int
-        Length, in steps, from which a track counts.
-    patience : int
-        Steps without a component that a track outlives.
-    gate : float
-        Squared Mahalanobis distance within which a component goes on with a track.
-    window : int
-        Latest positions from which motion is learnt; 0: tracks stay, as other components do.
-    length_scale, kernel_noise : float
-        Of the Gaussian process: steps, and standard deviation of a position as a share of that of the motion.
+    Source: Sung (2019), sections 2.4 and 2.5, (2.7) and (2.8); docs/missions/search-and-track.md.
     """
 
     threshold: float = 0.5

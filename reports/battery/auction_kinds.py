@@ -1,7 +1,5 @@
 """Kinds of the battery's problems: robots and tasks, bins, agents, errands, orchards and rooms."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

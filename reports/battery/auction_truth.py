@@ -1,7 +1,5 @@
 """Optima of small problems of robots and tasks, bins, agents, errands, orchards and rooms, by enumeration in fractions; see ``truth``."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Callable, Iterator

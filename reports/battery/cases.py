@@ -1,7 +1,5 @@
 """The cases of the battery: one program each, with what is true of it."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass

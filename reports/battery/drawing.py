@@ -3,8 +3,6 @@
 Numbers that rows add up are whole, or whole numbers times powers of two: what is just feasible in fractions is so in doubles.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

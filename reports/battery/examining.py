@@ -1,7 +1,5 @@
 """Solvers on the battery: what each says of programs whose truth is known, through waybound's own backends."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from dataclasses import dataclass

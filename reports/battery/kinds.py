@@ -1,7 +1,5 @@
 """Kinds of the battery's problems: small ones of every family, each kind hard in its own way."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import replace

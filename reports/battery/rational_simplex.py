@@ -3,8 +3,6 @@
 Source: Chvátal (1983), Linear Programming, chapters 2 and 3.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

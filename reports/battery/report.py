@@ -1,7 +1,5 @@
 """Results of examinations as a table, as JSON and as files."""
 
-from __future__ import annotations
-
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import asdict

@@ -4,8 +4,6 @@ Doubles are taken for the fractions that they are, and nothing is read of a prob
 a say. The exact truths of the tests (``tests/truth``) share no code with these, so that the two check each other.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator, Sequence

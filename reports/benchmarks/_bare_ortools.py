@@ -1,7 +1,5 @@
 """OR-Tools' routing library as its own documentation uses it: ``python _bare_ortools.py DATA.npz SOLUTIONS``, see ``_bare_routing``."""
 
-from __future__ import annotations
-
 import sys
 import time
 

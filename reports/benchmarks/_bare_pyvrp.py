@@ -3,8 +3,6 @@
 See ``_bare_routing``.
 """
 
-from __future__ import annotations
-
 import sys
 import time
 

@@ -3,8 +3,6 @@
 Prints a line of JSON: for each matrix of costs the least CPU seconds of a search, its status there, and the cost of the best route.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import sys

@@ -7,8 +7,6 @@ from which and until which they drive, ``opens`` and ``closes``, ``max_duration`
 route, ``span``, and what its moves count, ``spanned``; and whether times matter, ``timed``.
 """
 
-from __future__ import annotations
-
 import json
 import resource
 from typing import Any

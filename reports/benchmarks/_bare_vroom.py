@@ -1,7 +1,5 @@
 """VROOM through pyvroom as its own documentation uses it: ``python _bare_vroom.py DATA.npz LEVEL``, see ``_bare_routing``."""
 
-from __future__ import annotations
-
 import sys
 import time
 from typing import Any

@@ -1,7 +1,5 @@
 """The harness of all benchmarks: options and exit codes, clocks, fresh processes, tables, and the folders of a checkout."""
 
-from __future__ import annotations
-
 import argparse
 import inspect
 import json

@@ -1,7 +1,5 @@
 """A routing library through waybound, a module with the arguments ``engine|whole SOURCE WORK ENGINE SETTINGS``; see ``overhead``."""
 
-from __future__ import annotations
-
 import json
 import sys
 from typing import Any

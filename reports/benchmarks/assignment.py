@@ -5,8 +5,6 @@ those of the auction and its prices alone stand apart. Others return no prices: 
 ``min_weight_full_bipartite_matching`` of scipy, and, where they are installed, ``lapjv`` of the packages lap and lapjv.
 """
 
-from __future__ import annotations
-
 import statistics
 import sys
 from collections.abc import Callable

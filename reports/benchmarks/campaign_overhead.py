@@ -3,8 +3,6 @@
 Exit code 1 if a trivial run costs 150 ms or more beside its search, or two workers give less than 1.8 times the throughput of one.
 """
 
-from __future__ import annotations
-
 import itertools
 import resource
 import tempfile

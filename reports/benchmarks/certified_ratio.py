@@ -5,8 +5,6 @@ that comes with every answer (``solve(..., bound_time=0)``); "linear program" is
 by the checker, which needs no solver. Exit code 1 if a ratio stays below its target.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Annotated
 

@@ -3,8 +3,6 @@
 Names of modules as arguments list these alone. Exit code 1 if all of them take more than 30 s.
 """
 
-from __future__ import annotations
-
 import os
 import sys
 import tempfile

@@ -6,8 +6,6 @@ for to a HiGHS model ready to start. PuLP gets the edges of each target and the 
 clock, builds the same model and writes it as MPS, which is how it hands a model over; that the two are the same is checked.
 """
 
-from __future__ import annotations
-
 import time
 from functools import partial
 from itertools import pairwise

@@ -5,8 +5,6 @@ ready-made as lists, outside its clock, and writes the same rows and columns; th
 Windows are wide by default, so that the arc filters remove nothing; ``--windows narrow`` shows what they remove otherwise.
 """
 
-from __future__ import annotations
-
 import time
 from functools import partial
 from pathlib import Path

@@ -8,8 +8,6 @@ Problems of up to seven customers are drawn by ``routing_variants``; which solve
 heuristics are run once, for few iterations: they may miss the optimum, but never beat it nor break a limit.
 """
 
-from __future__ import annotations
-
 import json
 import sys
 import time

@@ -7,8 +7,6 @@ primal-dual hybrid gradients restarted at their mean, as PDLP does (Applegate et
 mirror-prox (Nemirovski 2004) with steps as long as its theory allows. Gaps are between the best value and the best bound seen.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from typing import Annotated

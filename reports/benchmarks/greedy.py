@@ -7,8 +7,6 @@ the conversion of the data into what it takes is outside. Compiling the kernels 
 package (``pip install submodlib-py``) waybound is measured alone.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import os
 import time

@@ -4,8 +4,6 @@ Each version is installed by pip into a folder that is deleted afterwards; the i
 battery's, of the kind ``time-windows``.
 """
 
-from __future__ import annotations
-
 import json
 import subprocess
 import sys

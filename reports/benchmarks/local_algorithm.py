@@ -7,8 +7,6 @@ algorithm and once with the one that the form advises; ``--full`` gives it 30,00
 compares heights with optima instead.
 """
 
-from __future__ import annotations
-
 import math
 import time
 import tracemalloc

@@ -1,7 +1,5 @@
 """Problems that no file of the literature holds, made of files of capacitated routing, for campaigns."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 from typing import Any
 

@@ -8,8 +8,6 @@ ones, and if ``WAYBOUND_BENCHMARKS`` names their folder a file of each routing f
 with 1 if routes differ.
 """
 
-from __future__ import annotations
-
 import json
 import os
 import statistics

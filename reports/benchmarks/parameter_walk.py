@@ -4,8 +4,6 @@ Whether a call takes the problem is read from annotations alone, so that a metho
 that override it; a class holds the problem where an attribute of it, or of what that holds, is annotated so.
 """
 
-from __future__ import annotations
-
 import ast
 import importlib.util
 import itertools

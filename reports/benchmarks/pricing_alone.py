@@ -9,8 +9,6 @@ RoutePricer (GPL-3) is no part of waybound: ``--peer`` names a Python that has `
 Exits with 1 if two costs differ.
 """
 
-from __future__ import annotations
-
 import json
 import subprocess
 import tempfile
@@ -52,7 +50,7 @@ class Searches:
     levels: tuple[Any, ...]
 
     @classmethod
-    def of(cls, problem: RoutingProblem, memory: int, prices: int) -> Searches:
+    def of(cls, problem: RoutingProblem, memory: int, prices: int) -> "Searches":
         """Prices on the way to the linear relaxation of a problem with one type of vehicle, windows and loads."""
         stop = Stop(SECONDS)
         partition = set_partition(problem, stop)

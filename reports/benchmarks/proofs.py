@@ -3,8 +3,6 @@
 Exits with 1 if anything that is verified of the battery is not true.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections import Counter

@@ -4,8 +4,6 @@ Mixed-integer programs of all families, each with waybound's options, with the l
 are CPU time of reductions and search, children included, one thread; all proven optima must be equal.
 """
 
-from __future__ import annotations
-
 import math
 import resource
 import time

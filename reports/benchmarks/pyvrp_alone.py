@@ -1,7 +1,5 @@
 """PyVRP alone as a solver of campaigns: given the whole numbers that waybound gives it, in a process that knows nothing of waybound."""
 
-from __future__ import annotations
-
 import tempfile
 from pathlib import Path
 from typing import Any

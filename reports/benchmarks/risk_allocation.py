@@ -7,8 +7,6 @@ with writes its CVXPY model anew in each round. Where a round has several plans 
 solver takes, so that the two are held against each other where weights that differ a little leave one plan.
 """
 
-from __future__ import annotations
-
 import copy
 import math
 from functools import partial

@@ -4,8 +4,6 @@ A row per instance: the value of each form's linear relaxation, with the prepara
 integer optimum. A dash stands for a form that cannot take the problem; forms without a linear relaxation have no column.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Annotated, Any
 

@@ -1,7 +1,5 @@
 """Random small problems of the whole routing family: each with one feature that it was drawn for, and up to two more."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace

@@ -1,7 +1,5 @@
 """Medians of clocks in fresh processes, and the check that two models are the same, for the compile benchmarks."""
 
-from __future__ import annotations
-
 import json
 import statistics
 import tempfile

@@ -6,8 +6,6 @@ be the same; then CPU seconds of ``branch-price-cut`` to a proof, or the gap tha
 Exits with 1 if two roots differ.
 """
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Annotated, Any

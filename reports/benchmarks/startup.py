@@ -3,8 +3,6 @@
 Exit code 1 if a ratio is above 3, or if a solver is imported.
 """
 
-from __future__ import annotations
-
 import json
 import statistics
 import subprocess

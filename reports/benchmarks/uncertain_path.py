@@ -9,8 +9,6 @@
 One thread. Medians and largest values, after a first call outside the clock.
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Callable
 from typing import Annotated

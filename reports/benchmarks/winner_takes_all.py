@@ -8,8 +8,6 @@ it gets the programs of up to 10,000 robots, with ``--full`` all, and is given u
 was not within 2 % of the relaxation's value after 60 seconds.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from dataclasses import dataclass, replace

@@ -1,7 +1,5 @@
 """Best known values beside instances: ``bks.csv``, with the columns ``instance, value`` and perhaps ``convention, objective``."""
 
-from __future__ import annotations
-
 import csv
 import math
 from collections.abc import Iterable

@@ -1,7 +1,5 @@
 """Campaign files: which methods run on which instances, under which limits, and where the results go."""
 
-from __future__ import annotations
-
 import itertools
 import re
 import tomllib
@@ -52,20 +50,10 @@ class Planned:
 class Campaign:
     """A campaign, as its file says it.
 
-    Attributes
-    ----------
-    folder : Path
-        What its paths are relative to.
-    runs : tuple of Planned
-        All of them, each once, in the order of seeds, instances and methods: every method has had its turn early.
-    overtime : float, seconds
-        After all its limits, before a run is ended.
-    best_known : Path or None
-        A table of best known values, where the campaign names one.
-    stated : mapping
-        What it says of the best known value of an instance, by hash and reading: the value, or whether that of a table holds.
-    modules : tuple of str
-        Modules of its own, which register solvers and the like.
+    Its paths are relative to ``folder``. ``runs`` are in the order of seeds, instances and methods, each once, so that every method has had
+    its turn early; each has ``overtime`` seconds after all its limits before it is ended. ``best_known`` is a table of best known values;
+    ``stated`` has, by hash and reading of an instance, the value that the campaign itself says, or whether that of a table holds.
+    ``modules`` of its own register solvers and the like.
     """
 
     file: Path

@@ -3,8 +3,6 @@
 A worker does each run in a process of its own, as this machine would. A run whose worker is lost is done by another one.
 """
 
-from __future__ import annotations
-
 import atexit
 import logging
 import threading
@@ -42,7 +40,7 @@ class DaskWorkers:
         self._stack = ExitStack()
         self._client: Any = None
 
-    def __enter__(self) -> DaskWorkers:
+    def __enter__(self) -> "DaskWorkers":
         from distributed import Client, LocalCluster
 
         self._stack.enter_context(_quiet())

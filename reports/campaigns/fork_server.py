@@ -4,8 +4,6 @@ It does nothing else: no run is done in it, and it has one thread. What a run ha
 A child that dies costs its run only, and one that does not end is killed. Where forking is unsafe, each run is a fresh interpreter instead.
 """
 
-from __future__ import annotations
-
 import gc
 import importlib
 import math

@@ -1,7 +1,5 @@
 """The instances that a campaign names: bundled ones, files, and patterns of file names, found before anything is run."""
 
-from __future__ import annotations
-
 import fnmatch
 import hashlib
 import os
@@ -23,16 +21,9 @@ _PATTERN = "*?["
 
 @dataclass(frozen=True)
 class Named:
-    """An instance as a campaign names it.
+    """An instance as a campaign names it: a bundled one, or a file as the campaign says it, whose name goes without its suffix.
 
-    Parameters
-    ----------
-    name : str
-        That of a bundled instance, or of the file without its suffix.
-    file : str
-        As the campaign says it.
-    hash : str
-        SHA-256 of the file's bytes: a file that changes is another instance.
+    ``hash`` is SHA-256 of the file's bytes: a file that changes is another instance.
     """
 
     name: str

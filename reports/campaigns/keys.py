@@ -1,7 +1,5 @@
 """Tables of a campaign file: keys that exist, values of the kinds that they take, and otherwise one line that says what is wrong."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Mapping
 from pathlib import Path
 from typing import Any

@@ -1,7 +1,5 @@
 """Measures for comparing methods over many instances: profiles, means and integrals of the field."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
@@ -24,7 +22,7 @@ def shifted_geometric_mean(values: ArrayLike, shift: float = SHIFT) -> float:
     return float(np.exp(np.log(v + shift).mean()) - shift) if v.size else float("nan")
 
 
-def performance_profile(costs: pd.DataFrame, factors: Sequence[float] | None = None) -> pd.DataFrame:
+def performance_profile(costs: "pd.DataFrame", factors: Sequence[float] | None = None) -> "pd.DataFrame":
     """The share of cases that each method solves within a factor of the best method's cost.
 
     Source: Dolan and Moré, Benchmarking optimization software with performance profiles, Mathematical Programming 91 (2002).

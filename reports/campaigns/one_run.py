@@ -1,7 +1,5 @@
 """One run of a campaign: an instance is read, solved within its limits, and recorded as one row with its documents."""
 
-from __future__ import annotations
-
 import importlib
 import json
 import os
@@ -13,17 +11,15 @@ from dataclasses import dataclass
 from datetime import UTC, datetime
 from functools import cache
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ..._version import __version__
 from ...formulations.json_text import finite
+from ...formulations.solution import Solution
 from ...instances.errors import InputError, NoAnswerError, WayboundError, in_words
 from .instance_list import hash_of
 from .own_modules import import_modules
 from .setting import Setting
-
-if TYPE_CHECKING:
-    from ...formulations.solution import Solution
 
 COLUMNS = {
     "problem": "TEXT", "sense": "TEXT", "convention": "TEXT", "form": "TEXT", "instance_hash": "TEXT", "status": "TEXT", "limit": "TEXT",
@@ -47,18 +43,8 @@ DOCUMENTS = ("solution", "certificate", "history")
 class Task:
     """A run, as it is sent to the process that does it.
 
-    Parameters
-    ----------
-    path : str
-        The instance's file, or the name of a bundled one.
-    folder : str
-        What paths in the setting are relative to.
-    overtime : float, seconds
-        After all limits, before it is ended.
-    hash : str
-        SHA-256 of the instance's file when the run was planned; "" if anything goes.
-    modules : tuple of str
-        Imported before it.
+    ``path`` is the instance's file, relative to ``folder``, or the name of a bundled one, and ``hash`` SHA-256 of that file when the run
+    was planned ("" if anything goes). It is ended ``overtime`` seconds after all limits; ``modules`` are imported before it.
     """
 
     path: str

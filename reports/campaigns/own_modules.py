@@ -1,7 +1,5 @@
 """Modules that a campaign names: each registers solvers, heuristics, problems or whatever else of its own."""
 
-from __future__ import annotations
-
 import importlib
 import sys
 from collections.abc import Iterable

@@ -21,14 +21,8 @@ CONFIDENCE = 0.95
 
 @dataclass(frozen=True)
 class Paired:
-    """The differences of pairs.
-
-    Attributes
-    ----------
-    low, high : float
-        Confidence interval of the mean (Student's t); infinite for a single pair, whose noise nobody knows.
-    p_value : float
-        Of Wilcoxon's signed-rank test that the differences lie around 0.
+    """The differences of pairs: their mean with its confidence interval (Student's t; infinite for a single pair, whose noise nobody
+    knows), and the p-value of Wilcoxon's signed-rank test that they lie around 0.
     """
 
     pairs: int

@@ -31,18 +31,9 @@ SLOWER = 0.1
 class Change:
     """One measure of one method, before and after.
 
-    Attributes
-    ----------
-    method, measure : str
-        ``answers`` and ``optima`` are shares of runs, ``objective``, ``bound`` and ``seconds`` relative differences.
-    pairs : int
-        Instances, or runs where there is one instance.
-    change, low, high : float
-        Mean and its confidence interval, positive where it is worse.
-    worse : bool
-        Whether it is worse beyond noise.
-    where : str
-        The instances that show it by themselves, if any.
+    ``answers`` and ``optima`` are shares of runs, ``objective``, ``bound`` and ``seconds`` relative differences; pairs are instances, or
+    runs where there is one instance. ``change`` is the mean, positive where it is worse, between ``low`` and ``high``, its confidence
+    interval; ``worse`` says that it is so beyond noise, ``where`` which instances show it by themselves.
     """
 
     method: str
@@ -72,16 +63,11 @@ class Regression:
 
 
 def regression(before: pd.DataFrame, after: pd.DataFrame) -> Regression:
-    """Compare the runs that two results files have in common.
+    """Compare the runs that two frames of ``results`` have in common.
 
     A method is worse where the confidence interval of the mean change lies beyond what is tolerated, over all instances or, corrected for
     their number (Bonferroni), over the seeds of one; or where it lost all answers or all proofs of an instance. Of a single pair nobody
     knows the noise: what is beyond the tolerance counts. Raises UsageError if they have no run in common, or not the same limits.
-
-    Parameters
-    ----------
-    before, after : DataFrame
-        Of ``results``.
     """
     a, b = counted(before), counted(after)
     alike = a.merge(b, on=PAIR, suffixes=("_a", "_b"), how="inner")

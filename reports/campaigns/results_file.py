@@ -1,7 +1,5 @@
 """The results file: one SQLite database, to which each run is added whole or not at all."""
 
-from __future__ import annotations
-
 import contextlib
 import fcntl
 import os
@@ -41,15 +39,10 @@ _ADDED = (*COLUMNS, "instance", "setting", "seed", "environment")
 
 
 class ResultsFile:
-    """A results file, open for one campaign; a context manager.
+    """A results file, open for one campaign, and made where it is not there; a context manager.
 
     Raises InputError for a file that is damaged, none of ours, of a newer schema, or cannot be written; UsageError while another campaign
     writes to it.
-
-    Parameters
-    ----------
-    path : Path
-        Made where it is not there.
     """
 
     def __init__(self, path: Path) -> None:
@@ -65,7 +58,7 @@ class ResultsFile:
                 self._prepare()
             self._stack = opening.pop_all()
 
-    def __enter__(self) -> ResultsFile:
+    def __enter__(self) -> "ResultsFile":
         return self
 
     def __exit__(self, *fault: object) -> None:

@@ -1,7 +1,5 @@
 """Processes for runs: a fork server started, fed and watched from here, and everything ended with this process, however that ends."""
 
-from __future__ import annotations
-
 import os
 import pickle
 import subprocess
@@ -38,7 +36,7 @@ class RunProcesses:
         self._last = 0
         self._closed = False
 
-    def __enter__(self) -> RunProcesses:
+    def __enter__(self) -> "RunProcesses":
         return self
 
     def __exit__(self, kind: type[BaseException] | None, fault: BaseException | None, trace: TracebackType | None) -> None:

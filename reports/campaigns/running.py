@@ -1,7 +1,5 @@
 """Running a campaign: what is missing is done, by processes of this machine or a cluster, and written by this process alone."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from contextlib import AbstractContextManager, suppress
 from typing import Protocol

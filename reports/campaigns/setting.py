@@ -1,7 +1,5 @@
 """The settings of a run: the problem that is made of an instance, the method, and its limits."""
 
-from __future__ import annotations
-
 import hashlib
 import json
 from dataclasses import MISSING, dataclass, field, fields
@@ -60,7 +58,7 @@ class Setting:
         return {name: value for name, value in values.items() if name in _ALWAYS or value != _DEFAULTS.get(name, {})}
 
     @classmethod
-    def from_json(cls, data: dict[str, Any]) -> Setting:
+    def from_json(cls, data: dict[str, Any]) -> "Setting":
         """The setting that ``to_json`` made ``data`` of."""
         return cls(**data)
 

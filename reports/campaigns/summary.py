@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
+import json
+import math
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ...formulations.rendering import percent
 from ..tables.table import Column, Table
-from .measures import shifted_geometric_mean
-from .primal_integrals import primal_integrals
+from .frames import documents
+from .measures import primal_integral, shifted_geometric_mean
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -18,20 +20,38 @@ MANY = 20_000
 """Runs beyond which no primal integrals are looked for: each takes reading the course of a search."""
 
 
+_KEY = ["instance", "file_hash", "setting_hash", "seed"]
+
+
+def primal_integrals(runs: pd.DataFrame, path: Path) -> pd.Series[float]:
+    """The primal integral of each run up to its time limit, in seconds, against the best answer that is known for its case.
+
+    ``runs`` are of ``counted``, with the column ``setting_hash``. A run whose answer does not count has the whole time limit; NaN where no
+    answer of the case does.
+    """
+    import pandas as pd
+
+    histories = runs[_KEY].reset_index().merge(documents(path, "history"), on=_KEY, how="left").set_index("index")["history"]
+    integrals = {}
+    for at, limits, best, known, sense, counts in runs[["limits", "best", "known", "sense", "counts"]].itertuples(name=None):
+        until = float(json.loads(limits)["time_limit"])
+        reference = best if math.isnan(known) else (max if sense == "max" else min)(best, known)
+        history = histories.get(at)
+        if not counts or not isinstance(history, str):
+            integrals[at] = until if not math.isnan(reference) else math.nan
+            continue
+        events = [(seconds, objective[0]) for seconds, _, objective, *_ in json.loads(history) if objective and objective[0] is not None]
+        integrals[at] = primal_integral([s for s, _ in events], [v for _, v in events], reference, until)
+    return pd.Series(integrals, dtype=float)
+
+
 @dataclass(frozen=True)
 class MethodSummary:
-    """One method over a campaign.
+    """One method over a campaign: its runs, the answers that count, optima by a verified bound (``proved``) or by its own word
+    (``claimed``), and runs that ended in an error.
 
-    Attributes
-    ----------
-    runs, answers, proved, claimed, errors : int
-        Runs in all; answers that count; optima by a verified bound, and by the method's own word; runs that ended in an error.
-    gap_to_best, gap_to_known, gap_to_bound : float or None
-        Means over the common cases: to the best answer of all, the best known value, and the best verified bound.
-    seconds : float or None
-        Shifted geometric mean of the search, over the common cases.
-    primal_integral : float or None, seconds
-        Mean over the common cases.
+    All else is over the common cases: mean gaps to the best answer of all, the best known value and the best verified bound, the shifted
+    geometric mean of the search's seconds, and the mean primal integral in seconds.
     """
 
     method: str

@@ -1,7 +1,5 @@
 """Moving pictures of missions: GIF files, or HTML pages with buttons."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from os import PathLike
@@ -42,7 +40,7 @@ class Film:
         """The headline metric at the start and after each step."""
         return [value for _, value in self.shots]
 
-    def held(self, count: int) -> Film:
+    def held(self, count: int) -> "Film":
         """The same film with its last picture repeated until there are ``count``."""
         longer = Film(self.mission)
         longer.shots = self.shots + self.shots[-1:] * (count - len(self.shots))

@@ -1,7 +1,5 @@
 """One figure of a film whose contents change: a map for each run, and the headline value of all over time."""
 
-from __future__ import annotations
-
 import io
 import itertools
 import math
@@ -42,7 +40,7 @@ OWN = "#777777"
 class Picture:
     """The figure; ``show`` sets it to a step. ``films`` are of equal lengths; one alone has no name on its map."""
 
-    def __init__(self, films: Mapping[str, Film]) -> None:
+    def __init__(self, films: "Mapping[str, Film]") -> None:
         self.films = dict(films)
         shots = ((shot[0], value) for film in self.films.values() for shot, value in zip(film.shots, film.values, strict=True))
         self.counts = all(value == int(scene.marked.sum()) for scene, value in shots)
@@ -147,7 +145,7 @@ def _short(value: float) -> str:
 class _Stage:
     """One map: discs that agents see, agents with headings and trails, points with trails, and links between them."""
 
-    def __init__(self, ax: Any, film: Film, name: str, colour: str) -> None:
+    def __init__(self, ax: Any, film: "Film", name: str, colour: str) -> None:
         from matplotlib.collections import EllipseCollection, LineCollection
 
         self.film = film

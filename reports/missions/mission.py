@@ -1,7 +1,5 @@
 """The contract of missions: how an observation becomes a problem, and an answer becomes actions."""
 
-from __future__ import annotations
-
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping, Sequence

@@ -1,7 +1,5 @@
 """``run``: play a mission with any solver, heuristic or policy, and log it."""
 
-from __future__ import annotations
-
 import contextlib
 import math
 import signal
@@ -49,7 +47,7 @@ def run(
     watch: Watch | None = None,
     progress: Callable[[dict[str, Any]], None] | None = None,
     **settings: Any,
-) -> pd.DataFrame:
+) -> "pd.DataFrame":
     """Play a mission: observe, decide, act, step by step.
 
     Parameters
@@ -70,7 +68,7 @@ def run(
     watch : callable, optional
         ``watch(world, row)`` is called at the start (with an empty row) and after each step.
     progress : callable, optional
-        Receives ``{"phase", "seconds", "objective", "bound"}`` after each step.
+        Receives ``{"phase", "seconds", "objective"}`` after each step.
     **settings
         The mission's own.
 

@@ -3,16 +3,12 @@
 A family whose answers are shown by more than their pictures and their table registers its blocks in ``PAGES``.
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 from ... import _guard as _guard
+from ...formulations.solution import Solution
 from ...instances.registry import Registry
-
-if TYPE_CHECKING:
-    from ...formulations.solution import Solution
-    from .rendering import Block
+from .rendering import Block
 
 
 class AnswerBlocks(Protocol):

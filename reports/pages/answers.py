@@ -1,13 +1,12 @@
 """The page of one answer: what was asked, what was found, and what proves it."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from os import PathLike
-from typing import TYPE_CHECKING
 
+from ...formulations.certificate import Certificate
+from ...formulations.problem import Problem
 from ...formulations.rendering import Line, number
-from ...formulations.solution import solution_lines
+from ...formulations.solution import Solution, solution_lines
 from ...instances.atomic import atomic_write
 from ..plots.drawing import axes_without_display
 from ..plots.history import plot_history
@@ -18,11 +17,6 @@ from .blocks import DataTable, Facts, Figure, Folded
 from .default_blocks import default_blocks
 from .page import Page
 from .rendering import Block
-
-if TYPE_CHECKING:
-    from ...formulations.certificate import Certificate
-    from ...formulations.problem import Problem
-    from ...formulations.solution import Solution
 
 
 def answer_page(solution: Solution) -> Page:

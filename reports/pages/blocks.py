@@ -113,7 +113,7 @@ def table_of(frame: pd.DataFrame, most: int | None = MOST_ROWS) -> Table:
 
 @dataclass(frozen=True, eq=False)
 class Figure:
-    """What matplotlib drew, given by its axes or its figure, as SVG; ``alt`` says in a sentence what it shows."""
+    """A picture by matplotlib, given by its axes or its figure, as SVG; ``alt`` says in a sentence what it shows."""
 
     drawn: Any
     alt: str

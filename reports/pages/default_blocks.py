@@ -1,17 +1,12 @@
 """Blocks of an answer as far as its family has no others: its pictures and its table."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
+from ...formulations.solution import Solution
 from ..plots import HISTORY, PLOTS, plot_solution, views
 from ..plots.drawing import axes_without_display
 from .blocks import DataTable, Figure, Folded
 from .rendering import Block
-
-if TYPE_CHECKING:
-    from ...formulations.solution import Solution
 
 SHOWN_ROWS = 30
 """Rows of an answer above which they are folded."""

@@ -1,16 +1,15 @@
 """Figures of matplotlib as SVG within a page."""
 
-from __future__ import annotations
-
 import colorsys
 import io
 import re
 from typing import TYPE_CHECKING, Any
 
+from .rendering import Rendering
+
 if TYPE_CHECKING:
     from markupsafe import Markup
 
-    from .rendering import Rendering
 
 _TAG = re.compile(r"<[^>]*>")
 _IDS = re.compile(r'( id="|href="#|url\(#)')
@@ -24,7 +23,7 @@ LEAST_CONTRAST = 4.5
 """Least contrast of lines and text on dark ground (Web Content Accessibility Guidelines 2.2, criterion 1.4.3)."""
 
 
-def figure_svg(drawn: Any, made: Rendering) -> tuple[Markup, float, bool]:
+def figure_svg(drawn: Any, made: Rendering) -> "tuple[Markup, float, bool]":
     """The figure of matplotlib axes, or a figure, as an SVG element, its width in CSS pixels, and whether it needs white ground.
 
     Text stays text, and ids are unique on the page. Colours refer to variables of the page, so that they turn with its ground, but for

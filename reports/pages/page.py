@@ -1,7 +1,5 @@
 """A page: one HTML file that needs no network, is readable on a phone, and is light or dark as the reader's system is."""
 
-from __future__ import annotations
-
 import base64
 import hashlib
 from collections.abc import Sequence

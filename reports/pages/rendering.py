@@ -23,12 +23,8 @@ class Block(Protocol):
 class Rendering:
     """Renders blocks: templates, names that are unique on the page, and the scripts and colours that the blocks need.
 
-    Attributes
-    ----------
-    scripts : dict
-        Names of files in ``assets``, in the order in which they were asked for.
-    colours : set of str
-        Of the figures, as ``rrggbb``: they have a counterpart on dark ground.
+    ``scripts`` are files in ``assets``, in the order in which they were asked for; ``colours`` of the figures, as ``rrggbb``, have a
+    counterpart on dark ground.
     """
 
     def __init__(self) -> None:

@@ -1,20 +1,16 @@
 """Pictures of answers. One module a family, in its wing's room; it registers its plot in ``PLOTS``."""
 
-from __future__ import annotations
-
 import io
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
 from ... import _guard as _guard
+from ...formulations.problem import Problem
+from ...formulations.solution import Solution
 from ...instances.errors import UsageError
 from ...instances.registry import Registry
 from ...instances.suggestions import did_you_mean
-
-if TYPE_CHECKING:
-    from ...formulations.problem import Problem
-    from ...formulations.solution import Solution
 
 SUFFIXES = (".png", ".svg", ".pdf")
 """Suffixes of files that a picture is written to."""

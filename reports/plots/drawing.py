@@ -1,23 +1,19 @@
 """Shared parts of plots: axes, colours, captions and bars."""
 
-from __future__ import annotations
-
 import functools
 import io
 import sys
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...formulations.problem import Problem
 from ...formulations.rendering import number, percent
+from ...formulations.solution import Solution
 from ...instances.printable import printable
 from . import PLOTS, Plot
-
-if TYPE_CHECKING:
-    from ...formulations.solution import Solution
 
 COLOURS = ("#332288", "#DDAA33", "#117733", "#CC3377", "#33AADD", "#882255", "#44AA99", "#EE7733", "#777777")
 """Distinct for all common kinds of colour vision, after Tol (2021), "Colour schemes"; cycled with line styles."""

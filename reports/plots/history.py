@@ -1,7 +1,5 @@
 """Progress of searches: the best known answer and bound over time."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
@@ -103,7 +101,7 @@ def _named(history: History) -> dict[str, Solution]:
     return named
 
 
-def _steps(events: Sequence[Event], side: str, level: int) -> tuple[Floats, Floats]:
+def _steps(events: "Sequence[Event]", side: str, level: int) -> tuple[Floats, Floats]:
     """Seconds and values of one side, where anything is known."""
     pairs = [(e.seconds, getattr(e, side)) for e in events]
     known = [(t, v[level]) for t, v in pairs if v is not None and level < len(v) and v[level] is not None and math.isfinite(v[level])]

@@ -1,7 +1,5 @@
 """Positions in the plane whose distances come close to given ones."""
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

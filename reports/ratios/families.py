@@ -1,7 +1,5 @@
 """Families of instances: seeded random ones, and adversarial ones whose optimum is known by construction."""
 
-from __future__ import annotations
-
 import zlib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -31,7 +29,7 @@ class Family:
         """Case number ``k``; the same for the same seed, regardless of other draws."""
         return self.make(k, np.random.default_rng([seed, zlib.crc32(self.name.encode()), k]))
 
-    def named(self, name: str) -> Family:
+    def named(self, name: str) -> "Family":
         """The same family under another name, with random cases of its own."""
         return replace(self, name=name)
 

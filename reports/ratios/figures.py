@@ -1,7 +1,5 @@
 """Figures of the studies: observed ratios beside stated ones, and values of experiments along a parameter."""
 
-from __future__ import annotations
-
 import math
 import textwrap
 from collections.abc import Sequence

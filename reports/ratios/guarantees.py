@@ -1,7 +1,5 @@
 """Studies of stated guarantees: every configuration of a heuristic on every family, observed ratios beside stated ones."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field, replace

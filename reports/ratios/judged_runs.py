@@ -1,7 +1,5 @@
 """Runs of heuristics, judged: their values from the data alone, ratios to the optimum, stated guarantees and bounds."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable, Iterable, Mapping

@@ -1,7 +1,5 @@
 """Optima of small instances, each with an answer that attains it, found without any heuristic of the toolkit."""
 
-from __future__ import annotations
-
 import functools
 from collections.abc import Callable
 from dataclasses import dataclass

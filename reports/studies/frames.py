@@ -9,14 +9,14 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ..missions.animation import Film
+from ..missions.mission import Mission
 from ..tables.table import Column, Table
 from .findings import lead_text
 
 if TYPE_CHECKING:
     import pandas as pd
 
-    from ..missions.animation import Film
-    from ..missions.mission import Mission
 
 LEVEL = 0.95
 

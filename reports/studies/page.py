@@ -1,7 +1,5 @@
 """The page of a report: what the source says, what came of it, and what that was made of."""
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from ..pages.blocks import Animation, Code, DataTable, Facts, Figure, Folded, Text

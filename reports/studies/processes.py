@@ -1,7 +1,5 @@
 """Tasks spread over processes; results so far survive a Ctrl-C."""
 
-from __future__ import annotations
-
 import multiprocessing
 import os
 import signal

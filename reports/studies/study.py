@@ -1,18 +1,14 @@
 """The contract of studies: what they are asked, and what they bring back."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...instances.instance import Instance
 from ...instances.registry import Registry
+from ..missions.animation import Film
 from ..tables.table import Table
 from .findings import FINDINGS, REPRODUCED, SIGN, Finding
-
-if TYPE_CHECKING:
-    from ..missions.animation import Film
 
 Told = Callable[[int, int, str], None]
 """``told(done, total, what)`` receives the progress of a study."""
@@ -91,6 +87,11 @@ class Figure:
     name: str
     draw: Callable[[Any], None]
     size: tuple[float, float] = (8.0, 5.0)
+
+
+def figure(name: str, width: float, height: float) -> Callable[[Callable[..., None]], Callable[..., Figure]]:
+    """Make of ``draw(figure, ...)`` a function that returns the figure of its other arguments, of a size in inches."""
+    return lambda draw: lambda *data: Figure(name, lambda canvas: draw(canvas, *data), (width, height))
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,5 @@
 """Instances on which something went wrong, as files that anyone can read back."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Reports as files: tables as CSV and Markdown, figures as PNG, each whole or not at all."""
 
-from __future__ import annotations
-
 import csv
 import io
 from collections.abc import Sequence

@@ -1,16 +1,12 @@
 """Tables for people, as plain rows. A family registers its own rows in ``TABLES``; other facts are shown as they are."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ... import _guard as _guard
 from ...instances.registry import Registry
-
-if TYPE_CHECKING:
-    from .table import Row, Table
+from .table import Row, Table
 
 
 @dataclass(frozen=True)

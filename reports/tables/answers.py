@@ -1,7 +1,5 @@
 """Tables of answers."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING, Any
 
 from ...formulations.problem import Problem
@@ -23,7 +21,7 @@ def answer_tables(problem: Problem, answer: Any) -> list[Table]:
     return [] if answer is None else [frame_table(problem.answer_to_frame(answer))]
 
 
-def frame_table(frame: pd.DataFrame) -> Table:
+def frame_table(frame: "pd.DataFrame") -> Table:
     """The first rows of an answer's frame; missing values are empty."""
     numeric = [frame[title].dtype.kind in "iuf" for title in frame.columns]
     columns = tuple(Column(str(title), right=right) for title, right in zip(frame.columns, numeric, strict=True))

@@ -1,7 +1,5 @@
 """Facts of a problem, as data and as a table."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from ...formulations.problem import Problem
@@ -31,6 +29,11 @@ def facts(problem: Problem) -> dict[str, Any]:
 
 COMMON = ("name", "problem", "family", "senses", "convention", "instance_hash", "features", "forms", "notes", "objective")
 """Facts that ``facts_table`` shows of every problem; the others are the problem's own."""
+
+
+def problem_table(problem: Problem) -> Table:
+    """The facts of a problem, one a row."""
+    return facts_table(facts(problem))
 
 
 def facts_table(data: dict[str, Any]) -> Table:

@@ -1,7 +1,5 @@
 """Tables of solvers and heuristics."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import TypeVar
 

@@ -1,7 +1,5 @@
 """A table of texts, as it is shown, printed or written."""
 
-from __future__ import annotations
-
 import html
 import io
 from collections.abc import Callable, Iterable
@@ -126,7 +124,7 @@ def table_html(table: Table) -> str:
 class Listing(list[T], Generic[T]):
     """A list that shows itself as a table in a notebook, in a terminal and as text; ``table`` makes one of the list."""
 
-    def __init__(self, entries: Iterable[T], table: Callable[[Listing[T]], Table]) -> None:
+    def __init__(self, entries: Iterable[T], table: "Callable[[Listing[T]], Table]") -> None:
         super().__init__(entries)
         self._table = table
 

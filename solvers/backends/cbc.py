@@ -1,7 +1,5 @@
 """CBC as a child process: driven by files, watched through its log, stopped by SIGINT."""
 
-from __future__ import annotations
-
 import math
 import os
 import re

@@ -1,10 +1,9 @@
 """OR-Tools CP-SAT: programs over integers, products of variables and circuits included, counted exactly in 64 bits."""
 
-from __future__ import annotations
-
 import math
 import threading
 import time
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -84,18 +83,23 @@ class CpSat(ProgramBackend):
         return _said(response, program, options, control, time.perf_counter() - began)
 
 
-def _configure(parameters: Any, options: Options) -> None:
+def set_limits(parameters: Any, options: Options) -> None:
+    """Limits, threads, seed and gap."""
     parameters.max_time_in_seconds = max(0.0, float(options.time_limit))
     parameters.num_workers = int(options.threads)
     parameters.random_seed = int(options.seed) % (2**31 - 1)
     parameters.relative_gap_limit = float(options.gap)
     parameters.absolute_gap_limit = 0.0
     parameters.catch_sigint_signal = False  # its handler knows what to do in the searching thread alone, and aborts in any other
+    if options.iterations is not None:
+        parameters.max_number_of_conflicts = int(options.iterations)
+
+
+def _configure(parameters: Any, options: Options) -> None:
+    set_limits(parameters, options)
     if options.threads == 1:  # more of them share these out among themselves
         parameters.linearization_level = 2  # rows of two binaries too: 0.1 s against a bound 43 % off on products of SATA
         parameters.add_lp_constraints_lazily = False  # else the search may creep up in fine steps without seeing the whole LP
-    if options.iterations is not None:
-        parameters.max_number_of_conflicts = int(options.iterations)
     known = {n: getattr(parameters, n) for n in dir(parameters) if not n.startswith(("_", "clear_", "has_", "Has", "Clear"))}
     for name, value in own_options("cpsat", options.extra, known, COMMON_PARAMETERS, "parameter").items():
         if name in UNSOUND:
@@ -171,32 +175,43 @@ def _product(proto: Any, counted: IntegerProgram, i: int, j: int) -> int:
 
 
 def _search(solver: Any, model: Any, program: IntegerProgram, control: Control) -> Any:
-    """Run, publish incumbents and bounds, and pass the wish to stop on."""
-    from ortools.sat.python import cp_model
+    """Run, and publish incumbents and bounds."""
 
-    n, over = program.num_variables, threading.Event()
-
-    class Hear(cp_model.CpSolverSolutionCallback):  # type: ignore[misc]
-        def on_solution_callback(self) -> None:
-            values = self.response_proto.solution
-            control.publish(np.array([values[k] for k in range(n)]))
+    def hear(found: Any) -> None:
+        values = found.response_proto.solution
+        control.publish(np.array([values[k] for k in range(program.num_variables)]))
 
     def hear_bound(least: float) -> None:
         if abs(least) < float(UNLIMITED):
             control.publish(bound=least - 4 * math.ulp(1.0) * abs(least))
+
+    search_until_stopped(solver, model, control, hear, hear_bound)
+    return solver.response_proto
+
+
+def search_until_stopped(
+    solver: Any, model: Any, control: Control, on_answer: Callable[[Any], None], on_bound: Callable[[float], None]
+) -> Any:
+    """CP-SAT's status after a search that hears of the wish to stop; ``on_answer`` gets the callback object for each answer."""
+    from ortools.sat.python import cp_model
+
+    over = threading.Event()
+
+    class Hear(cp_model.CpSolverSolutionCallback):  # type: ignore[misc]
+        def on_solution_callback(self) -> None:
+            on_answer(self)
 
     def stop() -> None:
         while not over.is_set():
             solver.stop_search()
             over.wait(ASK_AGAIN)
 
-    solver.best_bound_callback = hear_bound
+    solver.best_bound_callback = on_bound
     control.on_stop(lambda: threading.Thread(target=stop, daemon=True).start())
     try:
-        solver.solve(model, Hear())
+        return solver.solve(model, Hear())
     finally:
         over.set()
-    return solver.response_proto
 
 
 def _said(response: Any, program: IntegerProgram, options: Options, control: Control, seconds: float) -> RawResult:

@@ -1,7 +1,5 @@
 """CVXPY: Clarabel by default, HiGHS for integer programs, SCS or ECOS by name, as ``cvxpy:NAME``."""
 
-from __future__ import annotations
-
 import time
 import warnings
 from itertools import chain

@@ -1,7 +1,5 @@
 """HiGHS: linear, mixed-integer and convex quadratic programs, arrays straight into the solver."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Mapping

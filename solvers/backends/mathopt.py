@@ -1,7 +1,5 @@
 """OR-Tools MathOpt: the solvers that come with OR-Tools, as ``mathopt:NAME``."""
 
-from __future__ import annotations
-
 import ctypes
 import datetime
 import math

@@ -9,8 +9,6 @@ Source: Duran and Grossmann (1986), An outer-approximation algorithm for a class
 without nonlinear programs between, as in Westerlund and Pettersson (1995), An extended cutting plane method.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Iterable

@@ -1,7 +1,5 @@
 """PuLP: CBC by default, or any other solver that PuLP finds, as ``pulp:NAME``."""
 
-from __future__ import annotations
-
 import inspect
 import time
 from dataclasses import replace

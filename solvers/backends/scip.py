@@ -1,7 +1,5 @@
 """SCIP through PySCIPOpt: linear and quadratic programs, convex or not, and second-order cones, with integers or without."""
 
-from __future__ import annotations
-
 import math
 import time
 from typing import Any

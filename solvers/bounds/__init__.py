@@ -1,15 +1,15 @@
 """Evidence for bounds: one module per method, in the room of its family; those for every family stand here."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from ...formulations.evidence import Evidence
 from ...formulations.stop import Stop
 from ...instances.registry import Registry
 from ..linear_programs import LinearPrograms
+
+Compute = TypeVar("Compute", bound=Callable[..., Evidence | None])
 
 
 @dataclass(frozen=True)
@@ -72,6 +72,16 @@ class BoundMethod:
 BOUNDS: Registry[BoundMethod] = Registry("bound", "waybound.solvers.bounds", "waybound.solvers.bounds.*", group="waybound.bounds")
 
 
+def bound_method(name: str, missing: Callable[[Any], frozenset[str]], **further: Any) -> Callable[[Compute], Compute]:
+    """Register the decorated function ``compute`` as a ``BoundMethod``."""
+
+    def entered(compute: Compute) -> Compute:
+        BOUNDS.enter(BoundMethod(name, missing, compute, **further))
+        return compute
+
+    return entered
+
+
 def of_family(family: str, lacks: Callable[[Any], frozenset[str]] = lambda problem: frozenset()) -> Callable[[Any], frozenset[str]]:
     """The ``missing`` of a method for one family: what ``lacks(problem)`` names there, and every other family as a whole."""
 
@@ -79,6 +89,11 @@ def of_family(family: str, lacks: Callable[[Any], frozenset[str]] = lambda probl
         return lacks(problem) if problem.family == family else frozenset({f"{problem.family} problems"})
 
     return missing
+
+
+def instead_of(name: str, family: str) -> Callable[[Any], frozenset[str]]:
+    """The ``replaces`` of a method that stands for another one in all problems of a family."""
+    return lambda problem: frozenset({name} if problem.family == family else ())
 
 
 def replaced(problem: Any) -> frozenset[str]:

@@ -9,8 +9,6 @@ branching.
 Source: Land and Doig (1960); Achterberg, Koch, Martin (2005), "Branching rules revisited".
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from typing import Any
@@ -30,7 +28,7 @@ from ...formulations.tolerance import same
 from ...instances.errors import InputError
 from ..linear_programs import LinearPrograms
 from ..linear_session import LinearResult, LinearSession
-from . import BOUNDS, BoundMethod
+from . import bound_method
 from .linear_relaxation import ENTRIES_PER_SECOND
 from .proof_tree import Node, ProofTree
 
@@ -265,6 +263,13 @@ class _Tree(ProofTree[_Node]):
         return gains[0], gains[1]
 
 
+def _missing(problem: Problem) -> frozenset[str]:
+    if type(problem).check_statement is Problem.check_statement:
+        return frozenset({f"{problem.family} problems"})
+    return frozenset() if any(FORMS[form].makes(problem) == INTEGERS for form in problem.forms()) else frozenset({"integers alone"})
+
+
+@bound_method("branching-tree", _missing, order=9, aims=True)
 def branching_tree_bound(
     problem: Problem, stop: Stop = NEVER, linear: LinearPrograms | None = None, target: float | None = None
 ) -> Evidence | None:
@@ -292,12 +297,3 @@ def _takes(made: Compiled) -> bool:
         made.exactness.bound_is_valid and made.dual_evidence is not None and made.at_most is not None
         and program.features() == INTEGERS
     )  # fmt: skip
-
-
-def _missing(problem: Problem) -> frozenset[str]:
-    if type(problem).check_statement is Problem.check_statement:
-        return frozenset({f"{problem.family} problems"})
-    return frozenset() if any(FORMS[form].makes(problem) == INTEGERS for form in problem.forms()) else frozenset({"integers alone"})
-
-
-BOUNDS.enter(BoundMethod("branching-tree", _missing, branching_tree_bound, order=9, aims=True))

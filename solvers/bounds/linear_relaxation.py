@@ -1,7 +1,5 @@
 """Bound ``linear-relaxation``: an LP solved for its row duals, which the checker multiplies out."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -16,7 +14,7 @@ from ...formulations.stop import NEVER, Stop
 from ...formulations.verified_bounds import verified_bound
 from ..linear_programs import LinearPrograms
 from ..linear_session import LinearSession
-from . import BOUNDS, BoundMethod
+from . import bound_method
 
 INTERIOR_POINT = {"highs": {"solver": "ipm"}}
 """Without a vertex at the end, duals of small programs of selection came back with signs that prove nothing."""
@@ -40,6 +38,11 @@ ENTRIES_PER_SECOND = 20_000
 """Matrix entries that interior points get through in a second of the budget (measured: 18 000 to 130 000 on routing files)."""
 
 
+def _missing(problem: Problem) -> frozenset[str]:
+    return frozenset() if problem.forms() else frozenset({f"{problem.family} problems"})
+
+
+@bound_method("linear-relaxation", _missing, order=2)
 def linear_relaxation_bound(problem: Problem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """Evidence from the duals of a form's linear relaxation.
 
@@ -88,10 +91,3 @@ def vertex(made: Compiled, stop: Stop, seed: int) -> Evidence | None:
             if verified_bound(made.problem, evidence) != nothing:
                 return evidence
     return None
-
-
-def _missing(problem: Problem) -> frozenset[str]:
-    return frozenset() if problem.forms() else frozenset({f"{problem.family} problems"})
-
-
-BOUNDS.enter(BoundMethod("linear-relaxation", _missing, linear_relaxation_bound, order=2))

@@ -1,7 +1,5 @@
 """Trees that grow node by node until what their leaves prove reaches a target, whatever the nodes are proved by."""
 
-from __future__ import annotations
-
 import heapq
 import itertools
 import math
@@ -33,26 +31,16 @@ SWEEP = 256
 class Node:
     """A node; bounds are those of a minimisation.
 
-    Attributes
-    ----------
-    decision : Decision or None
-        What it adds to the decisions of its parent.
-    bound : float
-        Verified: its own or the best above it.
-    evidence : Evidence or None
-        What proves ``own``.
-    own : float
-        What its own evidence proves.
-    children : tuple of Node
-        That for which its statement holds first.
+    It adds ``decision`` to the decisions of its parent; its ``evidence`` proves ``own``, and ``bound`` is the best of its own and those
+    above it. Of its children that comes first for which its statement holds.
     """
 
-    parent: Node | None
+    parent: "Node | None"
     decision: Decision | None = None
     bound: float = -math.inf
     evidence: Evidence | None = None
     own: float = -math.inf
-    children: tuple[Node, ...] = ()
+    children: "tuple[Node, ...]" = ()
 
     def above(self) -> Iterator[Any]:
         """The node and all above it but the root, upwards."""

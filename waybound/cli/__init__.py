@@ -1,7 +1,5 @@
 """The command line. Each command imports what it needs when it runs, so that ``waybound --help`` is fast."""
 
-from __future__ import annotations
-
 import sys
 
 

@@ -3,8 +3,6 @@
 Registries are asked, which loads the modules of waybound that fill them, and no solver's package.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from importlib import import_module
 from pathlib import Path

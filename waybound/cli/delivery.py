@@ -1,7 +1,5 @@
 """Files that a command writes: refused beforehand where they could not be written, and each tried, whatever becomes of the others."""
 
-from __future__ import annotations
-
 import os
 import sys
 import traceback

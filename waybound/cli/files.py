@@ -1,7 +1,5 @@
 """``waybound export, convert, generate``: commands that write a file."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

@@ -1,7 +1,5 @@
 """The way from an error to one line on standard error and an exit code."""
 
-from __future__ import annotations
-
 import contextlib
 import functools
 import inspect

@@ -1,7 +1,5 @@
 """``waybound warm``: the compiled loops of all methods, made before they are needed."""
 
-from __future__ import annotations
-
 import contextlib
 import sys
 import time

@@ -1,7 +1,5 @@
 """Answers as users give them, to start from or to be checked."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from os import PathLike
 from typing import Any
@@ -18,21 +16,14 @@ from ..instances.errors import InputError, UsageError
 
 
 def answer_given(problem: Problem, given: Any, called: str, form: str | None = None) -> tuple[Any, tuple[str, ...]]:
-    """Read ``given`` as an answer of ``problem``; returns the answer, and notes on the reading for the user.
+    """Read ``given`` as an answer of ``problem``; returns the answer, if any, and notes on the reading for the user.
+
+    It may be a ``Solution``; an answer of the problem, or what its ``answer_of`` takes for one (routing: a list of routes, each a list of
+    site indices or ids, or of each vehicle by its name, or a frame of visits); the JSON of either, as a mapping; the path of a solution
+    file; or a solved model of ``form`` (HiGHS, PuLP, CVXPY, PySCIPOpt, MathOpt's result), names as exported. Messages call it ``called``.
 
     Raises UsageError if it is none of these; InputError if the file or the model is no solution of the problem; with file and, where there
     is one, line.
-
-    Parameters
-    ----------
-    given : object or None
-        A ``Solution``; an answer of the problem, or what its ``answer_of`` takes for one (routing: a list of routes, each a list of site
-        indices or ids, or of each vehicle by its name, or a frame of visits); the JSON of either, as a mapping; or the path of a solution
-        file; or a solved model of a form (HiGHS, PuLP, CVXPY, PySCIPOpt, MathOpt's result), names as exported. None says none.
-    called : str
-        What it is, for messages: ``the start``.
-    form : str, optional
-        For a solver's solution file or model: the form that was exported.
     """
     if given is None:
         return None, ()

@@ -1,7 +1,5 @@
 """Verified bounds of a problem: before a search, beside it, and after it by every method that applies, within a budget."""
 
-from __future__ import annotations
-
 import math
 import os
 import threading
@@ -56,34 +54,17 @@ def find_bounds(
 ) -> list[Evidence]:
     """Evidence for bounds of ``problem``, to be verified by the checker.
 
-    Parameters
-    ----------
-    bound_time : float, seconds
-        Budget for all methods together, without what they prepare, compile or load; 0 turns bounding off.
-    target : float, optional
-        Value of an answer: evidence that reaches it ends the search.
-    answer : optional
-        That answer, where it is at hand: its parts help some methods.
-    known : sequence of Evidence
-        Evidence that is there already, such as that of the search.
-    control : Control, optional
-        Stops between and inside methods; the evidence is published to it, and the best answer that a method comes across.
-    progress : callable, optional
-        Receives an event for each bound found.
-    unable : list of str, optional
-        Receives a line for each method that failed; the others are tried all the same.
-    linear : LinearPrograms, optional
-        The solver for linear programs, with seed and threads.
-    searching : bool
-        Whether methods may search (``BoundMethod.aims``): these take all the time that there is.
-    at_once : bool
-        Whether to ask those alone that search nothing and have nothing to prepare. They come first in any case, and before anything is
-        compiled or loaded for the others.
-    compiling : str
-        When methods whose loops were never compiled have their turn: never; after all others, which are there then whatever becomes of
-        these, and have half the budget; or before them, where the others had theirs already.
-    uncompiled : list of str, optional
-        Receives the names of these.
+    ``bound_time`` is the budget in seconds for all methods together, without what they prepare, compile or load; 0 turns bounding off.
+    Evidence that reaches ``target``, the value of an answer, ends the search; the parts of ``answer`` help some methods, and ``known`` is
+    evidence that is there already. ``control`` stops between and inside methods, and hears of the evidence and of the best answer that a
+    method comes across; ``progress`` receives an event for each bound found, ``unable`` a line for each method that failed, after which the
+    others are tried all the same.
+
+    Methods that search (``BoundMethod.aims``) do so only if ``searching``, and take all the time that there is. ``at_once`` asks those
+    alone that search nothing and have nothing to prepare; they come first in any case, before anything is compiled or loaded for the
+    others. ``compiling`` says when methods whose loops were never compiled, of which ``uncompiled`` receives the names, have their turn:
+    never; after all others, which are there then whatever becomes of these, and have half the budget; or before them, where the others had
+    theirs already.
     """
     found: dict[str, Evidence] = {}
     failed: list[str] = [] if unable is None else unable
@@ -196,7 +177,7 @@ def bounded(problem: Problem, seconds: float, **settings: Any) -> Searched:
 
 def first_evidence(
     problem: Problem, seconds: float, linear: LinearPrograms | None = None, most: float = 0.0, uncompiled: list[str] | None = None
-) -> tuple[list[Evidence], Goal | None]:
+) -> "tuple[list[Evidence], Goal | None]":
     """Evidence found within ``seconds``, and the goal that it sets for a search with the gap ``most``; large problems set none.
 
     Nothing is compiled for it: ``uncompiled`` receives the names of the methods that this leaves out.
@@ -285,22 +266,10 @@ class BoundWork:
 class Bounding:
     """Bounds of a problem within one budget: the quick ones before its search, the others beside it where a core is free.
 
-    ``budget`` is in seconds, and 0 once it is proved that there is no answer.
-
-    Attributes
-    ----------
-    first, seconds : list of Evidence, float
-        Found, and spent, before the search.
-    goal : Goal or None
-        Ends the search where it is set.
-    beside : bool
-        Whether bounding goes on beside the search.
-    line : Control
-        The line to it, with the evidence, and the best answer that a method came across.
-    fault : str
-        What kept it from beginning, such as a problem that cannot be sent to another process; empty if nothing did.
-    unable : list of str
-        A line for each method that failed.
+    ``budget`` is in seconds, and 0 once it is proved that there is no answer. ``first`` was found before the search, in ``seconds``;
+    ``goal`` ends the search where it is set. ``beside`` says that bounding goes on beside the search, and ``line`` is the line to it, with
+    the evidence and the best answer that a method came across. ``fault`` is what kept it from beginning, such as a problem that cannot be
+    sent to another process; ``unable`` has a line for each method that failed.
     """
 
     def __init__(self, problem: Problem, budget: float, linear: LinearPrograms, record: Recorder) -> None:

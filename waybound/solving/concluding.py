@@ -1,7 +1,5 @@
 """Makes a solution of the result of a search: nothing is believed that was not checked."""
 
-from __future__ import annotations
-
 import math
 import platform
 import time
@@ -37,17 +35,10 @@ def conclude(
 ) -> Solution:  # fmt: skip
     """Believe nothing: decode and judge every answer, bound, certify, and only then say how it ended.
 
-    From the judge's verdict on, whatever fails or is interrupted costs what it would have added, never the answer. Raises CheckFailedError
-    if a claim does not hold up, and there is neither an answer nor a proof that there is none.
-
-    Parameters
-    ----------
-    control : Control
-        The line to the search, with the last answer that it published.
-    bounding : Bounding
-        What was found before the search, and what is found beside it; its budget is that of second opinions, too.
-    crash : Exception, optional
-        What ended the search before it left anything.
+    ``control`` is the line to the search, with the last answer that it published, and ``crash`` what ended it before it left anything; the
+    budget of ``bounding`` is that of second opinions, too. From the judge's verdict on, whatever fails or is interrupted costs what it
+    would have added, never the answer. Raises CheckFailedError if a claim does not hold up, and there is neither an answer nor a proof that
+    there is none.
     """
     began = time.perf_counter()
     try:
@@ -74,7 +65,7 @@ def conclude(
 
 def _judged(
     problem: Problem, run: Run, searched: Searched, control: Control, options: Options, bounding: Bounding, crash: Exception | None
-) -> Conclusion:
+) -> "Conclusion":
     """The best of the engine's last word, its published incumbent and the start, before anything bounds it."""
     result = searched.result
     exactness = Exactness.NEITHER if run.heuristic else run.exactness.then(result.holds)
@@ -94,20 +85,9 @@ def _judged(
 class Conclusion:
     """All that is known after a search: answers are judged first, each step adds bounds or opinions, and ``solution`` sums up.
 
-    Attributes
-    ----------
-    answer, best : answer and Evaluation, optional
-        The best answer that passed every check.
-    certificate : Certificate
-        What the checkers make of ``evidence``, from ``verify`` on.
-    seconds : dict
-        Spent on bounding and on checking.
-    checked : list of (Evidence, float)
-        Evidence of which the checker has said already what it is worth.
-    opinions : tuple of Opinion
-        What other solvers say of a claim that has no evidence.
-    disagreements : list of str
-        Faults that these show.
+    ``answer`` and ``best``, its evaluation, passed every check; ``certificate`` is what the checkers make of ``evidence``, from ``verify``
+    on, and ``checked`` has what they said of some of it already. ``seconds`` were spent on bounding and on checking; ``opinions`` are what
+    other solvers say of a claim that has no evidence, and ``disagreements`` the faults that these show.
     """
 
     judge: Judge

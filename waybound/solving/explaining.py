@@ -5,8 +5,6 @@ That there is no answer is then proved by other evidence where it can be, case b
 by that evidence alone.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable, Iterator, Sequence

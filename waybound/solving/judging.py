@@ -4,8 +4,6 @@ The best answer that passes every check is kept. A claim that what was checked c
 that it does not speak of.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
@@ -33,17 +31,9 @@ CLAIM_TOLERANCE = 1e-5
 class Claim:
     """Claims of a search about a problem.
 
-    Parameters
-    ----------
-    exactness : Exactness
-        How what is said relates to the problem; of a heuristic, which is ``NEITHER``, no word is a claim.
-    own : Evaluation, optional
-        Of the answer that it hands over.
-    prices : bool
-        Whether its objective is meant for the problem's.
-    program : Program, optional
-        That was searched. What solvers count as 1 in its objective is the least size of a sum: where all terms vanish or cancel, theirs
-        are off by a part of it.
+    ``exactness`` says how what is said relates to the problem: of a heuristic, which is ``NEITHER``, no word is a claim. ``own`` is the
+    evaluation of the answer that it hands over, ``prices`` whether its objective is meant for the problem's. What solvers count as 1 in the
+    objective of the ``program`` searched is the least size of a sum: where all terms vanish or cancel, theirs are off by a part of it.
     """
 
     solver: str
@@ -143,23 +133,33 @@ def contradictions(claim: Claim, senses: Sequence[str], best: Evaluation | None,
 
 
 def _refuted(claim: Claim, senses: Sequence[str], best: Evaluation | None, certificate: Certificate) -> Iterator[str]:
-    said, exactness, levels, verified = claim.said, claim.exactness, len(senses), certificate.bound
-    status, bound, values = claim.status(senses, best, certificate), claim.bound(levels), claim.values(levels)
     if best is not None:
-        passed = f"an answer of value {best.values[0]!r} passed every check"
-        if status == "infeasible" and exactness.infeasibility_is_valid:
-            yield f"that there is no answer, but one of value {best.values[0]!r} passed every check"
-        if said.bound is not None and exactness.bound_is_valid and _beaten(claim, senses, best, 0, said.bound):
-            yield f"the bound {said.bound!r}, but {passed}"
-        if status == "optimal" and exactness is Exactness.EXACT:
-            apart = next((k for k, value in enumerate(values) if not claim.close(best, k, value)), None)
-            if apart is not None and _beaten(claim, senses, best, apart, values[apart]):
-                there = f" at level {apart + 1}" if apart else ""
-                yield f"the optimum {values[apart]!r}{there}, but an answer of value {best.values[apart]!r}{there} passed every check"
-        for level, further in claim.concerned(senses, best):
-            if further.bound is not None and _beaten(claim, senses, best, level, further.bound):
-                passed_there = f"an answer of value {best.values[level]!r} there passed every check"
-                yield f"the bound {further.bound!r} at level {level + 1}, but {passed_there}"
+        yield from _refuted_by_answer(claim, senses, best, claim.status(senses, best, certificate))
+    yield from _refuted_by_proof(claim, senses, best, certificate)
+
+
+def _refuted_by_answer(claim: Claim, senses: Sequence[str], best: Evaluation, status: str) -> Iterator[str]:
+    said, exactness = claim.said, claim.exactness
+    passed = f"an answer of value {best.values[0]!r} passed every check"
+    if status == "infeasible" and exactness.infeasibility_is_valid:
+        yield f"that there is no answer, but one of value {best.values[0]!r} passed every check"
+    if said.bound is not None and exactness.bound_is_valid and _beaten(claim, senses, best, 0, said.bound):
+        yield f"the bound {said.bound!r}, but {passed}"
+    if status == "optimal" and exactness is Exactness.EXACT:
+        values = claim.values(len(senses))
+        apart = next((k for k, value in enumerate(values) if not claim.close(best, k, value)), None)
+        if apart is not None and _beaten(claim, senses, best, apart, values[apart]):
+            there = f" at level {apart + 1}" if apart else ""
+            yield f"the optimum {values[apart]!r}{there}, but an answer of value {best.values[apart]!r}{there} passed every check"
+    for level, further in claim.concerned(senses, best):
+        if further.bound is not None and _beaten(claim, senses, best, level, further.bound):
+            passed_there = f"an answer of value {best.values[level]!r} there passed every check"
+            yield f"the bound {further.bound!r} at level {level + 1}, but {passed_there}"
+
+
+def _refuted_by_proof(claim: Claim, senses: Sequence[str], best: Evaluation | None, certificate: Certificate) -> Iterator[str]:
+    exactness, levels, verified = claim.exactness, len(senses), certificate.bound
+    status, values = claim.status(senses, best, certificate), claim.values(levels)
     if exactness.answer_is_valid:
         size = 0.0 if best is None else best.size
         if status == "optimal" and values and verified is not None:
@@ -173,7 +173,7 @@ def _refuted(claim: Claim, senses: Sequence[str], best: Evaluation | None, certi
     if certificate.unbounded:
         what = "that there is no answer" if status == "infeasible" and exactness.infeasibility_is_valid else ""
         what = what or ("a best answer" if status == "optimal" and exactness is Exactness.EXACT else "")
-        what = what or ("a bound" if bound is not None else "")
+        what = what or ("a bound" if claim.bound(levels) is not None else "")
         if what:
             yield f"{what}, but it is proved that answers are as good as one wants"
 
@@ -187,18 +187,9 @@ def _beaten(claim: Claim, senses: Sequence[str], best: Evaluation, level: int, v
 class Judge:
     """Decodes and judges candidates one by one; a fault in one costs none of the others.
 
-    Attributes
-    ----------
-    exactness : Exactness
-        How the solver's points relate to the problem's answers.
-    decode : callable
-        From the solver's raw answer to the problem's.
-    crash : exception, optional
-        What ended the search before it left anything.
-    program : Program, optional
-        That was searched.
-    own : Evaluation, optional
-        Of the answer that the solver's own result hands over.
+    ``exactness`` says how the solver's points relate to the problem's answers, ``decode`` makes one of the other. ``crash`` is what ended
+    the search before it left anything, ``program`` what was searched, if any, and ``own`` the evaluation of the answer in the solver's own
+    result.
     """
 
     problem: Problem

@@ -1,7 +1,5 @@
 """Bounds of objectives in order of priority: level by level, as long as those before are closed."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -28,21 +26,12 @@ def further_levels(
 ) -> Certificate:  # fmt: skip
     """The certificate with verified bounds of the levels after the first, as long as verified bounds close all before.
 
-    Raises CheckFailedError if a bound that was verified contradicts the answer.
+    A level's bound is given the values of ``evaluation`` at the levels before; without an answer these are the bounds of the levels before,
+    so that a bound is one of the answers that meet them, if there are any. ``seconds`` are for all levels together; ``notes`` receives a
+    line for each method or checker that fails, ``begun`` hears of each level and of its seconds, and returns what receives the events of
+    bounding.
 
-    Parameters
-    ----------
-    certificate : Certificate
-        With a bound of the first level.
-    evaluation : Evaluation or None
-        Of the answer: its values at the levels before are what a level's bound is given. Without an answer these are the bounds of the
-        levels before, so that a bound is one of the answers that meet them, if there are any.
-    seconds : float
-        For all levels together.
-    notes : list of str
-        Receives a line for each method or checker that fails.
-    begun : callable, optional
-        Hears of each level that is begun, and of its seconds; what it returns receives the events of bounding.
+    Raises CheckFailedError if a bound that was verified contradicts the answer.
     """
     levels: list[LevelBound] = []
     before: tuple[float, ...] = ()

@@ -1,7 +1,5 @@
 """Which solvers and heuristics there are, and what each lacks for a problem."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from ..formulations.problem import Problem

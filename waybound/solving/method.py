@@ -1,7 +1,5 @@
 """The method: chosen if the user names none, refused if it cannot take the problem, and made ready to run."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable
 from contextlib import suppress

@@ -1,7 +1,5 @@
 """Second opinions: other solvers are asked about a claim that has no evidence."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator, Sequence
 from contextlib import suppress

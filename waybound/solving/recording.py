@@ -1,7 +1,5 @@
 """Records a search as it goes: every better answer and bound, the time since ``solve`` was called, and the method that found it."""
 
-from __future__ import annotations
-
 import math
 import threading
 import time
@@ -25,14 +23,10 @@ BOUNDING = "bounding"
 class Recorder:
     """Turns reports of the search and of bounding into events, and passes these on. Thread-safe.
 
-    Parameters
-    ----------
-    senses : sequence of str
-        Of the levels of the objective.
-    listeners : sequence of callables
-        Receive ``{"phase", "seconds", "objective", "bound", "bound_kind", "found_by"}``, the best known of each at every event. One that
-        has a method ``begin_phase(phase, limit)`` hears of phases too, one ``compiling(what, seconds)`` of loops that are compiled, and one
-        ``engine_set_up(who, seconds)`` of an engine that took long before its search began.
+    ``senses`` are those of the levels of the objective. Listeners receive ``{"phase", "seconds", "objective", "bound", "bound_kind",
+    "found_by"}``, the best known of each at every event. One that has a method ``begin_phase(phase, limit)`` hears of phases too, one
+    ``compiling(what, seconds)`` of loops that are compiled, and one ``engine_set_up(who, seconds)`` of an engine that took long before its
+    search began.
     """
 
     def __init__(self, senses: Sequence[str], listeners: Sequence[Progress] = ()) -> None:

@@ -1,7 +1,5 @@
 """A request to solve: method, form, limits and options."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields, replace
 from functools import cached_property

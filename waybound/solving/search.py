@@ -1,7 +1,5 @@
 """Running an engine so that it can be stopped: in a worker thread, or in a process of its own."""
 
-from __future__ import annotations
-
 import threading
 import time
 from collections.abc import Callable

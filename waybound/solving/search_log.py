@@ -3,8 +3,6 @@
 It goes to a file, to standard error, or into the cell of a notebook.
 """
 
-from __future__ import annotations
-
 import contextlib
 import html
 import math
@@ -65,7 +63,7 @@ class SearchLog:
         self._pending, self._due, self._answered = "", math.inf, -math.inf
         self._bounder: tuple[str, str] | None = None
 
-    def __enter__(self) -> SearchLog:
+    def __enter__(self) -> "SearchLog":
         threading.Thread(target=self._run, name="waybound-log", daemon=True).start()
         return self
 
@@ -205,13 +203,8 @@ Log = bool | str | PathLike[str] | SearchLog | None
 def shown(log: Log) -> Iterator[SearchLog | None]:
     """The log that ``log`` asks for, open while a search runs.
 
-    Raises InputError if the file cannot be written; UsageError for anything else.
-
-    Parameters
-    ----------
-    log : bool, path, SearchLog or None
-        True shows it: in the cell of a notebook, else on standard error. A path is a file, ``-`` standard error. A ``SearchLog`` is used
-        as it is.
+    True shows it: in the cell of a notebook, else on standard error. A path is a file, ``-`` standard error; a ``SearchLog`` is used as it
+    is. Raises InputError if the file cannot be written; UsageError for anything else.
     """
     if log is None or log is False:
         yield None

@@ -1,7 +1,5 @@
 """``solve``: from a problem to an answer with its evidence, whichever method does the search."""
 
-from __future__ import annotations
-
 import math
 import time
 from contextlib import suppress

@@ -8,8 +8,6 @@ t >= 0 if x is; r times a power of two is whole, so that integers stay so. The o
 All but the judging of x is done in fractions.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from fractions import Fraction

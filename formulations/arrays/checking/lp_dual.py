@@ -12,8 +12,6 @@ duals moved by a rounding so that the reduced cost points to a side that has a b
 helps, duals of a small program are moved in fractions until it is 0; else nothing is proved.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

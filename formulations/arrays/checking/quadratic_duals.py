@@ -20,8 +20,6 @@ each product is one of them, nothing is lost. The duals are multiplied out as th
 Source: McCormick (1976), Mathematical Programming 10, 147-175.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from fractions import Fraction

@@ -10,8 +10,6 @@ are exact where one factor is binary. Their duals say how the checker of ``quadr
 draws these up itself, from the bounds of the program. See docs/formulations/arrays.md.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

@@ -8,8 +8,6 @@ With prices p, and K pairs asked for, n robots and m bins, every assignment of K
 since it pays at most the prices of all bins. Prices are at least 0, unless K = m: then each is paid, and prices are free.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any
@@ -19,13 +17,12 @@ from numpy.typing import NDArray
 
 from ....instances.errors import InputError
 from ...evidence import CHECKERS
+from .job_prices import LARGEST, is_finite
 
 Floats = NDArray[np.float64]
 
 BLOCK = 1 << 17
 """Pairs that are looked at together: few enough to stay in a processor's cache."""
-
-_LARGEST = 1e300
 
 _WHOLE = 2.0**53
 """Whole numbers below it are doubles."""
@@ -45,7 +42,7 @@ def check_assignment_prices(problem: Any, data: Mapping[str, Any]) -> float:
     if problem.objective != "sum":
         return -math.inf
     listed, level = data.get("prices"), data.get("level", 0.0)
-    if not isinstance(listed, list) or len(listed) != problem.num_bins or not _all_finite(listed) or not _finite(level):
+    if not isinstance(listed, list) or len(listed) != problem.num_bins or not _all_finite(listed) or not is_finite(level):
         raise InputError("evidence needs a list of prices, one finite number a bin", expected=str(problem.num_bins))
     prices, asked = np.array(listed, dtype=np.float64), problem.pairs
     if asked != problem.num_bins:
@@ -63,12 +60,8 @@ def check_assignment_prices(problem: Any, data: Mapping[str, Any]) -> float:
 
 def _all_finite(values: list[object]) -> bool:
     if set(map(type, values)) <= {float}:
-        return bool((np.abs(np.array(values, dtype=np.float64)) < _LARGEST).all())
-    return all(map(_finite, values))
-
-
-def _finite(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < _LARGEST
+        return bool((np.abs(np.array(values, dtype=np.float64)) < LARGEST).all())
+    return all(map(is_finite, values))
 
 
 def _sum_below(terms: list[float]) -> float:

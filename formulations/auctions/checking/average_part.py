@@ -9,8 +9,6 @@ weights are multiples of g and their sum is no multiple of m g, not all parts ar
 is at least the heaviest task less the mean of what remains for the other parts.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

@@ -5,8 +5,6 @@ start is entered in step d at the earliest, and observed in the step after. With
 one a robot and step, are a matroid, so that taking the largest first is best (Edmonds 1971).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

@@ -8,8 +8,6 @@ K bins fetched and D requests served take
 at least: each robot's errand is one of those, or none, and no bin or request is paid twice.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

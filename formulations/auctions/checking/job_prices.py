@@ -11,8 +11,6 @@ part (Dantzig 1957).
 With a weight y_i >= 0 an agent, not all jobs can be done if sum_j min_i y_i a_ij > sum_i y_i b_i.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any
@@ -31,7 +29,7 @@ MOST_STEPS = 2e8
 """Jobs x capacity of all agents up to which knapsacks are solved exactly: a second."""
 
 _EPS = float(np.finfo(np.float64).eps)
-_LARGEST, _TINY, _WHOLE = 1e300, 1e-290, 2.0**53
+LARGEST, _TINY, _WHOLE = 1e300, 1e-290, 2.0**53
 
 
 @CHECKERS.register("job-prices")
@@ -143,4 +141,4 @@ def finite_numbers(data: Mapping[str, Any], key: str, count: int, what: str = ""
 
 def is_finite(value: object) -> bool:
     """Whether a value is a number of moderate size."""
-    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < _LARGEST
+    return isinstance(value, int | float) and not isinstance(value, bool) and abs(value) < LARGEST

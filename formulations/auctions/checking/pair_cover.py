@@ -4,8 +4,6 @@ An assignment has at most one pair for each of them among the pairs that they co
 one pair is not covered, and the largest cost is at least that of the cheapest such pair; where there are no such pairs, there is no answer.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

@@ -10,8 +10,6 @@ home no sooner than it and the bins before it can be full, and no sooner than a 
 the faster of both speeds. All numbers are whole.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -13,8 +13,6 @@ each times the number of tasks from it on. Of n robots at most n have a leg that
 e_t, the shortest from anywhere. So the sum is at least e_(1) + ... + e_(n) + 2 (e_(n+1) + ... + e_(2n)) + 3 ..., the largest e first.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

@@ -1,7 +1,5 @@
 """Form ``assignment-knapsacks``: one binary per pair of agent and job, a knapsack row an agent."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

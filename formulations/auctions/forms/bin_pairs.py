@@ -1,7 +1,5 @@
 """Forms of bin assignments, ``bipartite`` and ``largest-cost``: one binary per pair, and rows that let each robot and bin have one."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

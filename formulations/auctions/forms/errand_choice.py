@@ -1,7 +1,5 @@
 """Form ``errand-choice``: one binary per robot, bin and request."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

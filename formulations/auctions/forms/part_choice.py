@@ -1,7 +1,5 @@
 """Form ``part-choice``: which task is in which part, and which pairs are together."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Form ``path-flow``: open paths of robots as arcs, and a flow along them that counts what the objective counts."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

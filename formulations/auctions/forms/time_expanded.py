@@ -1,7 +1,5 @@
 """Form ``time-expanded``: where each robot is after each step, and flows of contact from the base."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

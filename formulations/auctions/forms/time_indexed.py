@@ -1,7 +1,5 @@
 """Form ``time-indexed``: at which step each standing bin's trip begins, and how many robots are away at each step."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

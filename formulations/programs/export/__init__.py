@@ -1,7 +1,5 @@
 """Exports of programs: MPS and LP files, and models of HiGHS, PuLP, CVXPY and MathOpt."""
 
-from __future__ import annotations
-
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,7 +12,7 @@ if TYPE_CHECKING:
 SUFFIXES = (".mps", ".lp")
 
 
-def write_program(program: Program, path: str | PathLike[str], *, names: bool = True) -> None:
+def write_program(program: "Program", path: str | PathLike[str], *, names: bool = True) -> None:
     """Write a program as free MPS or as LP (the format of CPLEX), by the suffix; whole or not at all.
 
     ``program``: linear or with a quadratic objective, without cones and circuits, with one objective. ``path``: ends in ``.mps`` or

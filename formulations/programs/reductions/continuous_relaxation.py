@@ -1,7 +1,5 @@
 """Continuous relaxation of a linear program."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 from ..exactness import Exactness

@@ -1,7 +1,5 @@
 """Finite bounds for the variables of a program, from its rows and from its objective."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

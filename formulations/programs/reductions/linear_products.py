@@ -9,8 +9,6 @@ and one that would have it small only ``z >= l b`` and ``z >= y - u (1 - b)``: a
 Source: McCormick (1976), Mathematical Programming 10, 147-175; Glover (1975), Management Science 22, 455-460.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -89,7 +87,7 @@ class LinearProducts(Reduction):
         return (Linearised(program=linear, told=note, columns=n, rows=program.num_rows, pairs=np.stack([b, y], axis=1)),)
 
 
-def _rows(name: str, matrix: sp.csr_matrix, most: np.ndarray, side: Floats) -> Rows:
+def _rows(name: str, matrix: "sp.csr_matrix", most: np.ndarray, side: Floats) -> Rows:
     """Rows ``matrix x <= side`` where ``most``, else ``>=``."""
     matrix.eliminate_zeros()
     matrix.sort_indices()

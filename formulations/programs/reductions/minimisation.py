@@ -1,7 +1,5 @@
 """Minimisation without a constant, for solvers whose formats know no other, or disagree about its sign."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 from ..program import Floats, Program

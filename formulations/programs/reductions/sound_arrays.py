@@ -1,7 +1,5 @@
 """Reductions of every program: each column once a row, and whole bounds of integer variables, on which solvers count."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

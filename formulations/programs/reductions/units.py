@@ -10,8 +10,6 @@ whatever unit these are. Whole numbers and short decimals of ordinary size stay 
 objective or of what stands beside a block of variables have in common; all else is brought to one size.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 

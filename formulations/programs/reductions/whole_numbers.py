@@ -11,8 +11,6 @@ objective is off by at most a stated error: the integer program is then a relaxa
 by no more than ``ROW_ERROR``.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 from typing import Any, ClassVar

@@ -8,8 +8,6 @@ since it leaves each vertex once at most. Several such half-planes bound where (
 mean + z sqrt(variance) is least over that region: it grows in both and is concave, so along an edge of the region it is least at an end.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

@@ -11,8 +11,6 @@ z_i >= 0 has tail(z_i) = the most risk that the constraint can have. No quantile
 the one part at the lower and the other at the upper of these. The tail is ``erfc``, counted as wrong by ``TAIL_ERROR`` of itself.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from types import SimpleNamespace

@@ -4,26 +4,21 @@ Paths without repetition are walks that come to some states once at most, whatev
 potentials of its moves say.
 """
 
-from __future__ import annotations
-
 import heapq
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....instances.errors import InputError
 from ....instances.risk.element import TraverseElement
+from ....instances.risk.risky_graph import RiskyGraph
 from ...evidence import CHECKERS
 from ...stop import current_stop
-
-if TYPE_CHECKING:
-    from ....instances.risk.risky_graph import RiskyGraph
-    from ..risky_path import RiskyPath
-
+from ..risky_path import RiskyPath
 
 Floats = NDArray[np.float64]
 Indices = NDArray[np.int64]

@@ -1,7 +1,5 @@
 """Blocks of programs that all forms of risk allocation share: decisions, convex terms, deterministic rows, cones."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from typing import Any

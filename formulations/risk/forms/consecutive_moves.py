@@ -1,7 +1,5 @@
 """Form ``consecutive-moves``: one unit of flow on the graph whose vertices are moves, for paths of least hazard."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from typing import Any

@@ -12,8 +12,6 @@ the total. Source: van Hessem and Bosgra (2002), "A conic reformulation of model
 disturbances".
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

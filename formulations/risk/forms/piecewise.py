@@ -10,8 +10,6 @@ numbers near 1, and rows of secants so that they neither drop small deviations n
 one z for all their rows, and a binary each that lets a row be broken. See docs/formulations/risk-allocation.md.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import partial

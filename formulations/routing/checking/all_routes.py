@@ -6,25 +6,20 @@ that routes cost no more and more of them are possible. Of two orders of a set w
 sum stands for the other: whatever follows, it costs no more and keeps each limit that the other keeps.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from ....instances.routing.instance import VehicleType
 from ...stop import Stopped, current_stop
 from ..objective import PEAKS
+from ..problem import RoutingProblem
 from .known_features import EPS, Flags, Floats, Longs, departure, own_moves, routing_evidence
 from .no_answer import verdict
 from .route_limits import Limits, able, allowed, limits_of, summable, walk_orders
 from .vehicle_moves import Terms, terms_of
-
-if TYPE_CHECKING:
-    from ....instances.routing.instance import VehicleType
-    from ..problem import RoutingProblem
-
 
 MOST = 12
 """Customers of which all sets are looked at."""

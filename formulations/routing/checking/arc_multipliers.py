@@ -5,24 +5,19 @@ hand, and the better of the two counts: one arc into each customer and k into th
 depot.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ....instances.errors import InputError
 from ...checking.evidence_numbers import number, numbers
 from ...checking.granularity import lift
+from ..problem import RoutingProblem
 from .known_features import RESOURCES, Flags, Floats, routing_evidence
 from .relaxation import Relaxation, Resource, order_resource, relax
-
-if TYPE_CHECKING:
-    from ..problem import RoutingProblem
-
 
 PRICED = (*RESOURCES, "order")
 

@@ -1,7 +1,5 @@
 """All routes below a reduced cost, each set of customers once, in whole numbers, compiled: the checker's own list."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ...kernels import kernel

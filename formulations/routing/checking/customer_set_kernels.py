@@ -1,7 +1,5 @@
 """Least walks through each set of a few customers, and least ways to divide a set among routes, compiled: the checker's own."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

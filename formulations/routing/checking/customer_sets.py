@@ -7,28 +7,23 @@ with other terms, limits on the largest route divide the answers: of those whose
 lower at least, and no route is beyond the upper. docs/formulations/routing.md#customer-sets.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ....instances.errors import InputError
+from ....instances.routing.vehicle_type import VehicleType
 from ...checking.granularity import lift
 from ...stop import current_stop
+from ..problem import RoutingProblem
 from .known_features import EPS, Floats, Longs, departure, own_moves, routing_evidence, unknown_features, with_fleet, without_stops
 from .relaxation import with_depot
 from .round_trips import least_peak
 from .vehicle_moves import Terms, VehicleMoves, alike, constants, terms_of, value_grain
-
-if TYPE_CHECKING:
-    from ....instances.routing.vehicle_type import VehicleType
-    from ..problem import RoutingProblem
-
 
 CUSTOMERS = 16
 """More are not looked at: their sets are too many."""
@@ -69,7 +64,7 @@ class CustomerSets:
     customers: int
 
     @classmethod
-    def of(cls, problem: RoutingProblem, terms: Terms) -> CustomerSets | None:
+    def of(cls, problem: RoutingProblem, terms: Terms) -> "CustomerSets | None":
         """None where a search for routes was stopped, or numbers are too large to add up."""
         relaxed, sites, customers = without_stops(problem), problem.sites, problem.sites.customers
         n = len(customers)

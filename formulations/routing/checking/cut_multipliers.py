@@ -4,22 +4,18 @@ The rows are in docs/formulations/routing.md#cuts. At any prices the least of th
 bound; of the moves i-j and j-i an answer makes one at most.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ....instances.errors import InputError
 from ...checking.evidence_numbers import number, numbers
 from ...checking.granularity import lift
+from ..problem import RoutingProblem
 from .known_features import EPS, RESOURCES, Flags, Floats, Longs, refuse_unknown_resources, routing_evidence
 from .vehicle_moves import Terms, VehicleMoves, alike, constants, needed_routes, relaxed_terms, value_grain, worth_of_visits
-
-if TYPE_CHECKING:
-    from ..problem import RoutingProblem
 
 
 @routing_evidence("cut-multipliers")

@@ -6,25 +6,20 @@ limit stays. Evidence on that problem, of any kind that knows routes, is evidenc
 than the longest duration or the store, are left out. docs/formulations/routing.md#the-chord-of-the-deviation.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ....instances.errors import InputError
+from ....instances.routing.instance import VehicleType
 from ...evidence import Evidence
 from ...verified_bounds import verified_bound
+from ..problem import RoutingProblem
 from .known_features import Floats, explicit, own_moves, routing_evidence, unknown_features, with_fleet
 from .route_limits import limits_of
-
-if TYPE_CHECKING:
-    from ....instances.routing.instance import VehicleType
-    from ..problem import RoutingProblem
-
 
 KIND = "deviation-chord"
 

@@ -6,12 +6,10 @@ node of a tree prices bound it, and leave out further routes; branchings are on 
 docs/proofs.md#all-routes-below-a-reduced-cost.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -20,13 +18,11 @@ from ....instances.printable import printable
 from ...checking.evidence_numbers import number, numbers
 from ...checking.granularity import lift
 from ...stop import current_stop
+from ..problem import RoutingProblem
 from .known_features import Flags, Floats, Longs, routing_evidence
 from .set_partitioning_duals import CUSTOMERS, Merged, customers_of, entering, entries, given_rows, merged_walks, signed
 from .walk_networks import BITS, FAR
-
-if TYPE_CHECKING:
-    from ..problem import RoutingProblem
-    from .walks import Walks
+from .walks import Walks
 
 LABELS = 300_000
 """At a time at most, of as many visits each; some 200 bytes each where rows and loads are few."""
@@ -100,7 +96,7 @@ def check_enumerated_routes(problem: RoutingProblem, data: Mapping[str, Any]) ->
     return lift(proved - merged.error(proved), "min", merged.relaxed.grain)
 
 
-def _proved(merged: Merged, claimed: float | None, goal: float, cases: Sequence[_Case]) -> float:
+def _proved(merged: Merged, claimed: float | None, goal: float, cases: "Sequence[_Case]") -> float:
     """The bound in exact arithmetic."""
     walks, relaxed = merged.walks, merged.relaxed
     least = walks.least(None, claimed)
@@ -171,7 +167,7 @@ def _bits(members: Sequence[Longs], nodes: int) -> Longs:
     return bits
 
 
-def _over_cases(cases: Sequence[_Case], some: Choice, above: int, exponent: int, sets: Flags, cost: Longs) -> int:
+def _over_cases(cases: "Sequence[_Case]", some: Choice, above: int, exponent: int, sets: Flags, cost: Longs) -> int:
     """The worst, over the leaves of a tree, of the best bound at each or above it, or the goal where no route is left; the least at any
     node is ``above``."""
     waiting, found, work = [(np.arange(len(cost)), above)], some.goal, WORK

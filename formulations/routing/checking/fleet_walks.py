@@ -3,25 +3,21 @@
 docs/proofs.md#each-type-of-vehicle-apart.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from ...stop import current_stop
+from ..problem import RoutingProblem
 from .known_features import Flags, Floats, Longs, with_fleet
 from .relaxation import Resource, carried_loads, customers_moves, fewest_carriers, merged_moves, smallest
 from .told_visits import says_more
 from .vehicle_moves import Terms, VehicleMoves, alike, worth_of_visits
 from .walk_networks import FAR, Ints, Row
 from .walks import Load, Multipliers, Walks
-
-if TYPE_CHECKING:
-    from ..problem import RoutingProblem
 
 
 class Rows(NamedTuple):
@@ -77,7 +73,7 @@ class FleetMoves:
     size: float
 
     @classmethod
-    def of(cls, problem: RoutingProblem, terms: Terms, surely: Flags, never: Flags) -> FleetMoves | None:
+    def of(cls, problem: RoutingProblem, terms: Terms, surely: Flags, never: Flags) -> "FleetMoves | None":
         """None where there is no answer; raises OverflowError where costs are too large to be added up."""
         n, kinds, size = len(surely), list[KindMoves](), 0.0
         sets = smallest([moves for moves in customers_moves(problem) if says_more(problem, moves, surely)])

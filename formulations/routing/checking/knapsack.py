@@ -4,22 +4,18 @@ At any price of the resource it is the dual of a fractional knapsack, in which a
 site; docs/formulations/routing.md#knapsack.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...checking.evidence_numbers import number
 from ...checking.granularity import grain, lift
+from ..problem import RoutingProblem
 from .known_features import EPS, RESOURCES, Floats, refuse_unknown_resources, routing_evidence
 from .round_trips import least_peak
 from .vehicle_moves import VehicleMoves, alike, relaxed_terms, terms_of
-
-if TYPE_CHECKING:
-    from ..problem import RoutingProblem
 
 
 def needs(problem: RoutingProblem, name: str) -> tuple[Floats, float] | None:

@@ -6,26 +6,19 @@ least moves, from two sites or a depot, and the depots half of the least first a
 docs/formulations/routing.md#load-shares.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from ....instances.routing.travel import EARTH, GEOGRAPHIC, UNITS_OF_DISTANCE
+from ....instances.routing.instance import VehicleType
+from ....instances.routing.travel import EARTH, GEOGRAPHIC, UNITS_OF_DISTANCE, Travel
 from ...stop import off_the_clock
+from ..problem import RoutingProblem
 from .known_features import EPS, Floats, Longs, departure, earliest_levels, own_moves, routing_evidence
 from .route_limits import allowed
 from .vehicle_moves import Terms, needed_routes, relaxed_terms, worth_of_visits
-
-if TYPE_CHECKING:
-    from ....instances.routing.instance import VehicleType
-    from ....instances.routing.travel import Travel
-    from ..problem import RoutingProblem
-    from .vehicle_moves import Terms
-
 
 POWERS = {"euclidean": 2.0, "EUC_2D": 2.0, "CEIL_2D": 2.0, "ATT": 2.0, "manhattan": 1.0, "MAN_2D": 1.0}
 """Norms of the plane that distances grow with. Those on the globe grow with the straight line through it."""

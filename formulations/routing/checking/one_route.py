@@ -1,19 +1,14 @@
 """Sets of customers that no vehicle serves on one route, because of windows: whatever else a route visits, two must enter such a set."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...stop import current_stop
+from ..problem import RoutingProblem
 from .known_features import Flags, Floats, Longs
 from .route_limits import Limits, limits_of, summable
-
-if TYPE_CHECKING:
-    from ..problem import RoutingProblem
 
 MOST = 8
 """Larger sets are not looked at: all subsets are gone through."""

@@ -6,12 +6,10 @@ walks that may come back to a customer whom they forgot: at each customer some o
 of each type apart, where sites may be left out too. The bounds are derived in docs/proofs.md#routes.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +19,7 @@ from ....instances.printable import printable
 from ...checking.evidence_numbers import number, numbers
 from ...checking.granularity import Grain, lift
 from ...stop import current_stop
+from ..problem import RoutingProblem
 from ..statements import moves_of
 from .fleet_walks import FleetMoves, Rows, limiting, remembered
 from .known_features import EPS, Flags, Floats, Longs, routing_evidence, without_stops
@@ -30,10 +29,6 @@ from .told_visits import told_visits
 from .vehicle_moves import Terms, constants, relaxed_terms, value_grain
 from .walk_networks import FAR, Row
 from .walks import Load, Multipliers, Walks
-
-if TYPE_CHECKING:
-    from ..problem import RoutingProblem
-
 
 CUSTOMERS = 1_000
 """More are not looked at: nothing is proved."""
@@ -113,7 +108,7 @@ class _Found(NamedTuple):
 NOTHING, NO_ANSWER = _Found(-math.inf), _Found(math.inf)
 
 
-def _together(problem: RoutingProblem, prices: Floats, given: Given, claimed: Sequence[float | None], *, ray: bool) -> _Found:
+def _together(problem: RoutingProblem, prices: Floats, given: "Given", claimed: Sequence[float | None], *, ray: bool) -> _Found:
     """The bound by walks of all types of vehicle merged into one."""
     merged = merged_walks(problem, prices, given, ray=ray)
     if isinstance(merged, float):
@@ -136,7 +131,7 @@ class Merged:
         return 8.0 * EPS * (2 * nodes * nodes * size + abs(bound))
 
 
-def merged_walks(problem: RoutingProblem, prices: Floats, given: Given, *, ray: bool = False, finest: int = 1000) -> Merged | float:
+def merged_walks(problem: RoutingProblem, prices: Floats, given: "Given", *, ray: bool = False, finest: int = 1000) -> Merged | float:
     """The walks at some prices, in multiples of ``2^-finest`` or larger ones; infinity where there is no answer, minus infinity where
     nothing is known of the problem.
 
@@ -171,7 +166,7 @@ def entering(problem: RoutingProblem, loads: Sequence[tuple[Longs, float]]) -> l
     return [routes + int(more) for routes, more in zip(carriers, late.tolist(), strict=True)]
 
 
-def _apart(problem: RoutingProblem, prices: Floats, given: Given, claimed: Sequence[float | None], *, ray: bool) -> _Found:
+def _apart(problem: RoutingProblem, prices: Floats, given: "Given", claimed: Sequence[float | None], *, ray: bool) -> _Found:
     """The bound by walks of each type of vehicle by itself."""
     relaxed, terms = relaxed_terms(problem)
     if terms is None or (terms.peaks and not ray):

@@ -4,21 +4,17 @@ k routes through all customers without their closing arcs are a spanning tree of
 the k dropped arcs end in k different customers; docs/formulations/routing.md#spanning-tree has the bound.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ...checking.evidence_numbers import number, numbers
 from ...checking.granularity import lift
+from ..problem import RoutingProblem
 from .known_features import Floats, Longs, routing_evidence
 from .relaxation import Relaxation, relax
-
-if TYPE_CHECKING:
-    from ..problem import RoutingProblem
 
 
 @routing_evidence("spanning-tree", "a spanning tree is")

@@ -6,11 +6,9 @@ resources may be priced as well (``shares``): each route keeps them, so that a m
 docs/formulations/routing.md#state-space.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -18,12 +16,9 @@ from ....instances.errors import InputError
 from ...checking.evidence_numbers import number, numbers
 from ...checking.granularity import lift
 from ...stop import current_stop
+from ..problem import RoutingProblem
 from .known_features import EPS, RESOURCES, Floats, refuse_unknown_resources, routing_evidence
 from .vehicle_moves import Terms, VehicleMoves, alike, constants, needed_routes, relaxed_terms, value_grain, worth_of_visits
-
-if TYPE_CHECKING:
-    from ..problem import RoutingProblem
-
 
 COUNTED = (*RESOURCES, "order")
 

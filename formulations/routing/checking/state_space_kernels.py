@@ -1,7 +1,5 @@
 """The least cost of a walk without i-j-i whose levels are whole numbers, compiled: the checker's own dynamic program."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,15 +1,9 @@
 """Customers that every answer visits, and those that none does, as far as the data show it without a search."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from ..problem import RoutingProblem
 from .known_features import Flags
-
-if TYPE_CHECKING:
-    from ..problem import RoutingProblem
 
 
 def told_visits(problem: RoutingProblem) -> tuple[Flags, Flags]:

@@ -1,7 +1,5 @@
 """The least reduced cost of a walk from the depot and back, in whole numbers, compiled: the checker's own labels."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -3,8 +3,6 @@
 Levels are rounded so that all walks that keep them in doubles do. docs/proofs.md#labels-in-whole-numbers.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -90,7 +88,7 @@ class Levels:
     above: Longs
     most: int
 
-    def backwards(self) -> Levels:
+    def backwards(self) -> "Levels":
         """The levels of the same walks driven backwards: what is still left of each at a node, with a minus sign, so that it grows. None is
         held above another: that only adds walks."""
         lower, upper = -self.upper, -self.lower

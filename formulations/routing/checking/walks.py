@@ -4,8 +4,6 @@ Costs are whole multiples of a power of two, rounded down, and multipliers are s
 docs/proofs.md#labels-in-whole-numbers.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -59,24 +57,10 @@ class Multipliers:
 class Walks:
     """All walks of a relaxation at some multipliers, in whole multiples of ``2^-exponent``.
 
-    Parameters
-    ----------
-    cost : array of shape (nodes, nodes)
-        Infinite where there is no move.
-    resources : sequence of Resource
-    multipliers : Multipliers
-    needed : sequence of bool arrays of shape (nodes, nodes)
-        Sets of moves.
-    stop : Stop
-    room, work : int
-        Labels at a time, and comparisons, at most.
-    finest : int
-        The exponent is no larger.
+    ``cost`` (nodes, nodes) is infinite where there is no move, ``needed`` holds sets of moves, as flags (nodes, nodes). ``room`` and
+    ``work`` are the most labels at a time, and the most comparisons; the exponent is ``finest`` at most.
 
-    Raises
-    ------
-    OverflowError
-        If numbers are too large to be added up.
+    Raises OverflowError if numbers are too large to be added up.
     """
 
     def __init__(

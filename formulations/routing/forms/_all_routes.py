@@ -3,20 +3,15 @@
 It walks every order of stops, and drops a beginning that breaks a limit which going on cannot mend. It shares no code with the judge.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...tolerance import EQUAL, LIMIT
-
-if TYPE_CHECKING:
-    from ..problem import RoutingProblem
+from ..problem import RoutingProblem
 
 MOST_ROUTES = 20_000
 """Orders of stops that may have to be walked."""

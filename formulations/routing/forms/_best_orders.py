@@ -5,22 +5,17 @@ route goes on, since a risk of at most 1/2 rises with the mean and with the vari
 Source: Held and Karp (1962); with several sums the labels of Desrochers and Soumis (1988).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...programs.size import TooLargeError
 from ..preparation import waiting_is_possible
+from ..problem import RoutingProblem
+from ._all_routes import Walk
 from ._objective import weights_of_levels
-
-if TYPE_CHECKING:
-    from ..problem import RoutingProblem
-    from ._all_routes import Walk
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]

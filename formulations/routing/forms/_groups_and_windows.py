@@ -12,19 +12,13 @@ With v_i = sum over all k and j of x_ijk, whether node i is visited::
     copy[c]          v_c+1 <= v_c                                         copies of one depot are used in order
 """
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ...programs.program import Floats
 from ...programs.rows import Ints, Part, rows
 from ..preparation import copies
+from ..problem import RoutingProblem
 from ._vehicles import Drive, VehicleBlocks, VehicleColumns
-
-if TYPE_CHECKING:
-    from ..problem import RoutingProblem
 
 
 def add_groups(blocks: VehicleBlocks) -> None:

@@ -26,8 +26,6 @@ those for depots are written without large constants. As printed, depots are com
 depots draw nothing. Copies of stations: Schneider, Stenger, Goeke (2014).
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

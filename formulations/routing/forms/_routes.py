@@ -1,10 +1,8 @@
 """Shared by all forms of routing: building a program block after block, and the way from arcs to routes and back."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,10 +15,8 @@ from ...programs.rows import Ints, Part, rows
 from ...tolerance import INTEGRALITY
 from ..objective import Objective
 from ..preparation import Preparation, Resource
+from ..problem import RoutingProblem
 from ..routes import Route
-
-if TYPE_CHECKING:
-    from ..problem import RoutingProblem
 
 
 def used(x: Floats) -> NDArray[np.bool_]:

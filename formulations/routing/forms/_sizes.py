@@ -1,10 +1,7 @@
 """How large the forms of a problem would become, from lists of sites and a few rows of moves."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -12,9 +9,7 @@ from ....instances.routing.travel import EXPLICIT
 from ...programs.size import ProgramSize
 from ...tolerance import widened
 from ..preparation import copies, waiting_is_possible
-
-if TYPE_CHECKING:
-    from ..problem import RoutingProblem
+from ..problem import RoutingProblem
 
 SAMPLE = 100
 """Sites of which all moves are looked at."""

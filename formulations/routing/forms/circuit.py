@@ -8,10 +8,7 @@ the arcs with x_ijk = 1, the loops (i,i) with off_ik = 1, which leave a customer
 Source: Laurière (1978) for circuits as a constraint.
 """
 
-from __future__ import annotations
-
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -20,12 +17,10 @@ from ...programs.circuits import Circuit
 from ...programs.compiled import Compiled
 from ...programs.program import CIRCUITS, INTEGERS, Floats
 from ..preparation import prepare
+from ..problem import RoutingProblem
 from . import _sizes, three_index, two_index
 from ._routes import with_levels
 from ._vehicles import Drive, VehicleBlocks
-
-if TYPE_CHECKING:
-    from ..problem import RoutingProblem
 
 
 def arcs_say_enough(problem: RoutingProblem) -> bool:

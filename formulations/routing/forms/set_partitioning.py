@@ -17,11 +17,9 @@ Source: Balinski and Quandt (1964); Mitchell (2020), CMU-RI-TR-20-52, 3.2, price
 that of the Lagrangian which dualises the visits (Dantzig and Wolfe 1960).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -33,6 +31,7 @@ from ...programs.exactness import Exactness
 from ...programs.program import Floats, Program
 from ...programs.rows import Part, rows
 from ..preparation import offset
+from ..problem import RoutingProblem
 from ..reachability import minimum_vehicles
 from ..routes import Route, Routes
 from . import _sizes
@@ -41,9 +40,6 @@ from ._best_orders import adds_up, best_orders
 from ._objective import Weights, weights_of_levels
 from ._routes import Blocks, point_of, used, with_levels
 from .three_index import FEATURES
-
-if TYPE_CHECKING:
-    from ..problem import RoutingProblem
 
 MAXIMA = {"makespan": "duration", "longest-route": "distance", "latest-return": "finish"}
 """Terms that are a maximum over routes, and of what."""

@@ -19,11 +19,8 @@ Source: Mitchell (2020), CMU-RI-TR-20-52, (3.7)-(3.14), with demands and service
 docs/formulations/routing.md#errata.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator, Sequence
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -34,6 +31,7 @@ from ...programs.circuits import Circuit
 from ...programs.compiled import Compiled
 from ...programs.program import Floats, Program
 from ..preparation import leaves_cycles, offset
+from ..problem import RoutingProblem
 from ..routes import Route, Routes
 from . import _sizes
 from ._groups_and_windows import add_copies, add_groups, add_shipments, add_windows
@@ -54,9 +52,6 @@ from ._vehicles import (
     vehicle_columns,
     visits_rows,
 )
-
-if TYPE_CHECKING:
-    from ..problem import RoutingProblem
 
 FEATURES = frozenset(
     {

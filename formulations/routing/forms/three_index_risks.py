@@ -30,13 +30,10 @@ Gendron and Magnanti (2003), "A comparison of mixed-integer programming models f
 planes of McCormick (1976); docs/formulations/routing.md#risk.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -50,14 +47,11 @@ from ...programs.program import CONES, INTEGERS, Floats
 from ...programs.rows import Ints, Part, rows
 from ...programs.size import ProgramSize
 from ..overrun import quantile, tail
+from ..problem import RoutingProblem
 from . import _sizes
 from ._routes import with_levels
 from ._vehicles import Drive, VehicleBlocks, VehicleColumns
 from .three_index import FEATURES, refuses, written
-
-if TYPE_CHECKING:
-    from ..problem import RoutingProblem
-
 
 SECOND_ORDER = frozenset(kind for kind in CONES if kind.startswith("second-order"))
 

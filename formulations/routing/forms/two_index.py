@@ -14,19 +14,18 @@ Source: Gavish and Graves (1978) for the flows, of units and of loads, with wind
 Zemlin (1960) for node levels, Desrochers and Laporte (1991) for the lifted rows.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...evidence import Evidence
 from ...forms import FORMS, Form
+from ...problem import Decision, Problem
 from ...programs.circuits import Circuit
 from ...programs.compiled import Compiled
 from ...programs.duals import dual_value
@@ -34,14 +33,11 @@ from ...programs.exactness import Exactness
 from ...programs.program import Floats, Program
 from ...programs.rows import Part, rows
 from ..preparation import Preparation, Resource, leaves_cycles, offset, prepare, waiting_is_possible
+from ..problem import RoutingProblem
 from ..reachability import minimum_vehicles
 from ..routes import Routes
 from . import _sizes
 from ._routes import ArcIndex, Blocks, levels, point_of, routes_of, used, with_levels
-
-if TYPE_CHECKING:
-    from ...problem import Decision, Problem
-    from ..problem import RoutingProblem
 
 Ints = NDArray[np.integer[Any]]
 Longs = NDArray[np.int64]

@@ -7,8 +7,6 @@ With the elements of T taken and those of D dropped, a bound that adds up one nu
 and the second is that of the constraint with its limits less what T uses.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -9,8 +9,6 @@ best of each group, or under a budget the best by worth for cost with the last o
 the tightest).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from typing import Any

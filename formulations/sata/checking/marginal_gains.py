@@ -9,8 +9,6 @@ of the largest of each group, and for a budget it is bounded by its linear relax
 S gains nothing.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

@@ -8,8 +8,6 @@ For y, z >= 0, scaled by the best t that makes ``C'y <= t A'z``, and any x >= 0:
 with t = max over the variables v of (C'y)_v / (A'z)_v. A variable that covers for nothing, (A'z)_v = 0 < (C'y)_v, leaves no bound.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

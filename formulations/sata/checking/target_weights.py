@@ -9,8 +9,6 @@ Weights may stand on a few targets only: only the robots that see those are then
 the next value that sums of the weights can take at all.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

@@ -1,11 +1,9 @@
 """Parts of the forms over elements and actions: names on demand, constraints, and the way between vectors and selections."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, overload
+from typing import Any, overload
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,9 +16,7 @@ from ...programs.size import ProgramSize
 from ...tolerance import INTEGRALITY
 from ...verified_bounds import proved
 from ..selections import Selection
-
-if TYPE_CHECKING:
-    from ..submodular_selection import SubmodularSelection
+from ..submodular_selection import SubmodularSelection
 
 Ints = NDArray[np.integer[Any]]
 

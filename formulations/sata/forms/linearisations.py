@@ -1,18 +1,17 @@
 """Forms of a selection: three linear ones, and the sum of products of two variables that they linearise."""
 
-from __future__ import annotations
-
 from functools import partial
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...evidence import Evidence
 from ...forms import FORMS, Form
+from ...problem import Problem
 from ...programs.compiled import Compiled
 from ...programs.program import INTEGERS, QUADRATIC, Floats, Program, Rows, Variables
 from ...programs.rows import rows
 from ..selections import Selection, indicator
+from ..submodular_selection import SubmodularSelection
 from ._selections import (
     FEATURES,
     Credits,
@@ -28,10 +27,6 @@ from ._selections import (
     edges_size,
     prices_evidence,
 )
-
-if TYPE_CHECKING:
-    from ...problem import Problem
-    from ..submodular_selection import SubmodularSelection
 
 
 def facility_location(problem: SubmodularSelection) -> Compiled:

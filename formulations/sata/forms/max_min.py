@@ -21,29 +21,25 @@ Source: Sung (2019), (3.1), (3.2), (3.5); Floréen et al. (2011), Local approxim
 docs/formulations/bottleneck.md#form.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ....instances.errors import InputError
+from ....instances.sata.max_min_lp import SparseMatrix
 from ...evidence import Evidence
 from ...forms import FORMS, Form
+from ...problem import Problem
 from ...programs.compiled import Compiled
 from ...programs.program import INTEGERS, LINEAR, Floats, Indices, Program, Rows, Variables
 from ...programs.size import ProgramSize
 from ...verified_bounds import proved
+from ..bottleneck_sata import BottleneckSATA
+from ..max_min_lp import MaxMinLP
 from ..selections import Selection, indicator
 from ._selections import Labels, chosen
-
-if TYPE_CHECKING:
-    from ....instances.sata.max_min_lp import SparseMatrix
-    from ...problem import Problem
-    from ..bottleneck_sata import BottleneckSATA
-    from ..max_min_lp import MaxMinLP
 
 Csr = tuple[Indices, Indices, Floats]
 

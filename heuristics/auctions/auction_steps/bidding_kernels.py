@@ -3,8 +3,6 @@
 Imports numba: import it inside functions only.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

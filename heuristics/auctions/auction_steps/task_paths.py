@@ -1,7 +1,5 @@
 """Answers from the arrays of compiled auctions, completed where these were cut short, and the condition of their ratios."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

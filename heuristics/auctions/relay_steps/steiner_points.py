@@ -1,7 +1,5 @@
 """Steiner trees with the fewest Steiner points: relays such that every link is short enough."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from dataclasses import dataclass

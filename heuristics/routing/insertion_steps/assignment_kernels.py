@@ -1,7 +1,5 @@
 """Greedy assignment, compiled. Imports numba: import it inside functions only."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -4,8 +4,6 @@ Nodes are the start of a route, 0, the customers ``1..n``, and its end, ``n + 1`
 return, the longest duration and the longest distance; ``timed`` tells whether anybody can have to wait or come too late.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Clarke and Wright's merging loop, compiled. Imports numba: import it inside functions only."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ....formulations.kernels import inner, kernel

@@ -1,7 +1,5 @@
 """Routes and outcomes from tours with cuts, or from places on routes, and outcomes where there was no time."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """All distances and durations between sites, as far as there are memory and time for them."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """A tour through the depot and all customers, and what is proved of its length."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

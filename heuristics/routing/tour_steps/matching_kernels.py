@@ -6,8 +6,6 @@ vertex of ``x`` at which its edge of least slack to ``y`` ends: all vertices of 
 the same one.
 """
 
-from __future__ import annotations
-
 import numpy as np
 from numpy.typing import NDArray
 

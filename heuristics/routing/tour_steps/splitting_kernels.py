@@ -4,8 +4,6 @@ Arrays with the rows ``out``, ``on`` and ``back`` hold, for each customer in the
 next customer (the last entry is not used) and that to the depot.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

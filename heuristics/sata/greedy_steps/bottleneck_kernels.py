@@ -1,7 +1,5 @@
 """The bottleneck greedy, compiled: the worst target under a trial action from a tree of minima, not from a pass over all targets."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ....formulations.kernels import inner, kernel

@@ -1,7 +1,5 @@
 """Depth-first enumeration of all answers, with what cannot win cut off, compiled."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ....formulations.kernels import kernel

@@ -1,7 +1,5 @@
 """Greedy filling of a knapsack by gain per cost, from many starting sets, compiled."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ....formulations.kernels import inner, kernel

@@ -1,7 +1,5 @@
 """Cardinality limits and partition matroids as one thing: groups, and room in each."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -31,7 +29,7 @@ class Limits:
     room: NDArray[np.int64]
 
     @classmethod
-    def of(cls, problem: SubmodularSelection | BottleneckSATA) -> Limits:
+    def of(cls, problem: SubmodularSelection | BottleneckSATA) -> "Limits":
         """The limits of a problem whose constraint is a partition; raises TypeError for another."""
         limits = cls.if_any(problem)
         if limits is None:
@@ -39,7 +37,7 @@ class Limits:
         return limits
 
     @classmethod
-    def if_any(cls, problem: SubmodularSelection | BottleneckSATA) -> Limits | None:
+    def if_any(cls, problem: SubmodularSelection | BottleneckSATA) -> "Limits | None":
         """The limits, or None where the constraint is no partition."""
         partition = problem.constraint.as_partition(problem.num_elements)
         if partition is None:

@@ -6,8 +6,6 @@ are a prefix of the whole. They return ``(picks, gains, evaluations)``. A functi
 ``best``, which is raised in place.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from ....formulations.kernels import inner, kernel

@@ -14,8 +14,6 @@ transpose with the elements of an item by falling weight, the place of each entr
 coverage prod (1 - x_h) of each item, else dF_j/dx_i of each entry of the transpose.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from ....formulations.kernels import kernel

@@ -1,7 +1,5 @@
 """Outcomes of methods for selections: the ratios that hold, the assumptions under which they do, and the bound that each answer carries."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any

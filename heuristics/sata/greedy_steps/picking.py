@@ -1,7 +1,5 @@
 """Greedy picking, by whichever evaluation is asked for or measures fastest."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

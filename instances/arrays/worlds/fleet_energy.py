@@ -1,7 +1,5 @@
 """Robots with small batteries that keep jobs going: they fly for minutes and charge for the better part of an hour."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Generalised assignments in CSV: one row per pair of agent and job, and one per capacity; documented in ``docs/formats.md``."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

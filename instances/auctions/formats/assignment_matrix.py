@@ -1,7 +1,5 @@
 """Costs of assignments as a matrix in CSV: one row per robot, one column per bin; documented in ``docs/formats.md``."""
 
-from __future__ import annotations
-
 import math
 import re
 from pathlib import Path

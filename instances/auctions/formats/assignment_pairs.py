@@ -1,7 +1,5 @@
 """Costs of assignments as lists of pairs in CSV: one row per pair; documented in ``docs/formats.md``."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Robots and tasks in CSV: one row per robot or task, with its role, name and place; documented in ``docs/formats.md``."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

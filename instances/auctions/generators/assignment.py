@@ -3,8 +3,6 @@
 Source: Zhang (2015), sections 3.2 and 3.4; read as in docs/formulations/bin-assignment.md#orchard.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

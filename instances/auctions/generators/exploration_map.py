@@ -3,8 +3,6 @@
 Source: Zhang (2015), section 5.3 and tables 5.1 and 5.2; rows of the latter are true types (docs/formulations/room-exploration.md#errata).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

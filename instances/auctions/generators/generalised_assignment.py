@@ -1,7 +1,5 @@
 """Random generalised assignments: classes C and D of the literature, and retrievals of full bins within a horizon."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

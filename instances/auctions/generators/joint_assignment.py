@@ -1,7 +1,5 @@
 """Idle robots, bins and requests of an orchard at one moment."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Whole days of small orchards, in which each group has a route of its own."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -3,8 +3,6 @@
 Source: the settings of Zhang (2015), section 4.5 (a grid of eight neighbours, ten waypoints, two to five robots at corners) as ``grid``.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

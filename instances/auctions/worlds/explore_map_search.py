@@ -1,7 +1,5 @@
 """Rooms that robots with a budget explore, map and search, and what each of them has been told."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from typing import Any

@@ -1,7 +1,5 @@
 """Sensors that fill up where they stand, and robots that empty them and bring what they take to their bases."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple

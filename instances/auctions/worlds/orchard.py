@@ -1,7 +1,5 @@
 """Robots that bring empty bins to groups of pickers and full ones home."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any

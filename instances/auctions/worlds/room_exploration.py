@@ -1,7 +1,5 @@
 """Rooms of unknown types, some with targets, and robots that enter them, read their types and look for targets."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple

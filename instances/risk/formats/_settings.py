@@ -1,7 +1,5 @@
 """Settings in the comment lines of text formats of risky graphs: the objective, and elements of risk by a few numbers each."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Sequence
 from typing import Any
 

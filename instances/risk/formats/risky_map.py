@@ -3,8 +3,6 @@
 ``.`` is free, ``@`` occupied, ``S`` the start, ``G`` a goal, ``~`` mud, and a digit a reward. The last line is the lowest row.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

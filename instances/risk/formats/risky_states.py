@@ -4,8 +4,6 @@ Titles are ``state``, ``easting``, ``northing``, perhaps ``height`` and ``reward
 column.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

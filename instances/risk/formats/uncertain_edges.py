@@ -1,7 +1,5 @@
 """Graphs of uncertain edge costs as edge lists in CSV: one row per edge; documented in ``docs/formats.md``."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Any
 

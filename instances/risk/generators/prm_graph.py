@@ -6,8 +6,6 @@ directions. The start lies in one corner of the square, the goal in the opposite
 Source: Skeele (2016), sections 5.5.1 and 5.6; read as in docs/formulations/uncertain-path.md#random-graphs.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from typing import Any

@@ -7,8 +7,6 @@ of the first two with its other settings at their defaults is a fixed problem of
 noise.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

@@ -1,7 +1,5 @@
 """Random maps with obstacles, mud and rewards, on which a robot finds its way from one corner to the opposite one."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

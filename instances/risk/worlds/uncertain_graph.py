@@ -1,7 +1,5 @@
 """A robot that goes through a graph whose edge costs it learns on the way."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import lru_cache

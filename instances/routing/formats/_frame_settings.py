@@ -1,7 +1,5 @@
 """Settings and cells of tables of sites, as text: those of ``--set`` or of lines above the table, read for ``instance_from_frame``."""
 
-from __future__ import annotations
-
 import os
 import re
 from collections.abc import Callable, Mapping
@@ -214,7 +212,7 @@ def _matrix(file: Path, key: str, line: int | None, name: str, n: int) -> Floats
     return matrix
 
 
-def _table(file: Path, key: str, line: int | None, name: str) -> pd.DataFrame:
+def _table(file: Path, key: str, line: int | None, name: str) -> "pd.DataFrame":
     """A frame of vehicles, one row per type, or of windows, shipments or groups; it keeps the lines that it was read from."""
     import pandas as pd
 

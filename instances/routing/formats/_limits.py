@@ -1,7 +1,5 @@
 """Features that a format cannot express, found before anything is written."""
 
-from __future__ import annotations
-
 from collections.abc import Collection
 
 import numpy as np

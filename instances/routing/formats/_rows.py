@@ -1,7 +1,5 @@
 """Rows of numbers in formats without titles: the head that a format is known by, and tables of fixed width."""
 
-from __future__ import annotations
-
 from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 
@@ -39,7 +37,7 @@ class Rows:
     at: int = 0
 
     @classmethod
-    def of(cls, text: str) -> Rows:
+    def of(cls, text: str) -> "Rows":
         return cls(lines_of(text))
 
     def next(self, what: str) -> tuple[int, str]:

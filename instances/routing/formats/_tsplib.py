@@ -1,7 +1,5 @@
 """Scanning of TSPLIB-like files: headers, sections, and the numbers in them, each with its line."""
 
-from __future__ import annotations
-
 import re
 from collections.abc import Collection
 from dataclasses import dataclass, field

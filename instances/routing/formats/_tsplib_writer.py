@@ -1,7 +1,5 @@
 """Writing of TSPLIB-like files."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Settings of ``--set`` for VROOM's files: a speed where they have no matrices, and keys to leave out."""
 
-from __future__ import annotations
-
 import copy
 import math
 from collections.abc import Iterator, Mapping

@@ -1,7 +1,5 @@
 """Writing of VROOM's JSON."""
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Collection, Mapping

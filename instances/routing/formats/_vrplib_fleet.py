@@ -14,8 +14,6 @@ Source: documentation of PyVRP, "supported VRPLIB fields"; Pessoa, Sadykov and U
 270(2).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from typing import Any

@@ -12,8 +12,6 @@ Source: Cordeau, Gendreau and Laporte (1997), Networks 30(2); Cordeau, Laporte a
 Society 52(8).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from pathlib import Path

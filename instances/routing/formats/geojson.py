@@ -3,8 +3,6 @@
 Properties are the columns of a frame of sites. What GeoJSON has no place for stands beside ``features``: the vehicles, the speed, units.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Callable, Mapping

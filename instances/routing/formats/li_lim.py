@@ -9,8 +9,6 @@ The published files give a speed of 1, or of 0; one unit of distance takes one u
 Source: Li and Lim (2001), 13th IEEE International Conference on Tools with Artificial Intelligence; SINTEF's pages on the PDPTW.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from pathlib import Path

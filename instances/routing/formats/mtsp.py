@@ -9,8 +9,6 @@ The literature measures these files by distances that are not rounded, whatever 
 Source: Necula, Breaban and Raschip (2015), HAIS, LNAI 9121; Mahmoudinazlou and Kwon (2024), Computers and Operations Research 162.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from ...errors import InputError

@@ -13,8 +13,6 @@ Source: Chao, Golden and Wasil (1996), European Journal of Operational Research 
 Research Society 35(9).
 """
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

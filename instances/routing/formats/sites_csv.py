@@ -5,8 +5,6 @@ The delimiter is the one of ``, ; | tab`` that occurs most often in the line of 
 site is the depot. Solution files count customers from 1 in the file's order, depots left out.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import replace

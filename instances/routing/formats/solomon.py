@@ -12,8 +12,6 @@ Source: Solomon (1987), Operations Research 35(2); Gehring and Homberger (1999).
 convention says otherwise.
 """
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

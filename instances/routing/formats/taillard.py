@@ -6,8 +6,6 @@ types, and ``capacity, fixed cost, unit cost, least number, largest number`` of 
 Source: Golden, Assad, Levy and Gheysens (1984), Computers and Operations Research 11(1); Taillard (1999), RAIRO 33(1).
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 import numpy as np

@@ -11,8 +11,6 @@ Source: Righini and Salani (2009), Computers and Operations Research 36(4); Vans
 (2009), Computers and Operations Research 36(12).
 """
 
-from __future__ import annotations
-
 import re
 from pathlib import Path
 

@@ -17,8 +17,6 @@ only restricts, or where VROOM's own search begins, and is told.
 Source: VROOM, Coupey, Nicod and Varnier, the description of its API, version 1.14.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 import re

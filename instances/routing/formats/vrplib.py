@@ -25,8 +25,6 @@ Source: Reinelt, TSPLIB 95; CVRPLIB; the VRPLIB format of the package vrplib; OP
 Operations Research 90; LKH-3, Helsgaun (2017), Roskilde University.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from functools import partial

@@ -1,7 +1,5 @@
 """Small random instances for tests: uniform sites, everything optional. No recipe of the literature."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import replace

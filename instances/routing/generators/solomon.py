@@ -14,8 +14,6 @@ Source: Solomon (1987), Algorithms for the vehicle routing and scheduling proble
 Research 35(2), section 4; horizons, capacities and service times as in the published files.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -6,8 +6,6 @@ with probability sum over the seeds s of exp(-d(p, s) / 40); the capacity is cei
 average number of customers on a route; distances are rounded to the nearest integer.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from typing import Any

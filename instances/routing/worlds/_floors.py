@@ -1,13 +1,10 @@
 """Floors that robots explore: rooms, mazes, blocks, and maps from files."""
 
-from __future__ import annotations
-
-from pathlib import Path
-
 import numpy as np
 
 from ...errors import InputError
 from ...generators import Draw, Flags
+from ...text import read_text
 
 
 def rooms(rng: np.random.Generator, height: int, width: int, doors: float, pitch: int) -> Flags:
@@ -44,10 +41,7 @@ def blocks(rng: np.random.Generator, height: int, width: int) -> Flags:
 
 def read_floor(path: str) -> tuple[Flags, tuple[int, int]]:
     """Free cells and base of a map: lines of ``#`` (wall), ``.`` (free) and one ``B`` (the base). Raises InputError."""
-    try:
-        lines = [line.rstrip() for line in Path(path).read_text(encoding="utf-8").split("\n")]
-    except (OSError, UnicodeDecodeError) as fault:
-        raise InputError(f"cannot be read as text: {fault}", "file", file=path) from None
+    lines = [line.rstrip() for line in read_text(path).split("\n")]
     bad = [(k + 1, sign) for k, line in enumerate(lines) for sign in line if sign not in "#.B"]
     if bad:
         raise InputError("an unknown sign of a map", "malformed", file=path, line=bad[0][0], expected="#, . or B", found=repr(bad[0][1]))

@@ -1,7 +1,5 @@
 """A fire front that spreads over a map, its hotspots with their identities, and an aircraft that keeps returning to them."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, fields
@@ -29,12 +27,12 @@ class Hotspots:
     def __len__(self) -> int:
         return len(self.ids)
 
-    def aged(self, tracked: Flags) -> Hotspots:
+    def aged(self, tracked: Flags) -> "Hotspots":
         """A step later: waits grow, the worst with them, and then those ``tracked`` begin anew. A wait that a visit ends counts in full."""
         waits = self.waits + 1.0
         return Hotspots(self.ids, self.places, np.where(tracked, 0.0, waits), np.maximum(self.worst, waits))
 
-    def moved(self, centres: Floats, within: float, next_id: int) -> Hotspots:
+    def moved(self, centres: Floats, within: float, next_id: int) -> "Hotspots":
         """New centres with the identity of the nearest hotspot closer than ``within``, each given once, near ones first; others are new."""
         apart = np.sqrt(((centres[:, None, :] - self.places[None, :, :]) ** 2).sum(axis=2))
         source = np.full(len(centres), -1)
@@ -49,7 +47,7 @@ class Hotspots:
         waits, worst = (np.where(fresh, 0.0, own[source] if len(self) else 0.0) for own in (self.waits, self.worst))
         return Hotspots(ids, centres, waits, worst)
 
-    def sorted(self) -> Hotspots:
+    def sorted(self) -> "Hotspots":
         """In the order of their identities."""
         order = np.argsort(self.ids)
         return Hotspots(*(getattr(self, own.name)[order] for own in fields(self)))

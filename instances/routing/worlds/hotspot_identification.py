@@ -1,11 +1,8 @@
 """A field with hotspots, and an aerial robot that takes pictures of it from several altitudes while its time lasts."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -13,6 +10,7 @@ from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...generators import Draw
+from ...text import read_text
 from ...worlds import WORLDS, Setting, World, WorldKind
 from ..aerial_pictures import Arms
 from ..gaussian_process import GaussianProcess, SquaredExponential
@@ -47,25 +45,14 @@ class HotspotWorld(World):
     """One robot flies at unit speed from arm to arm; a step is a flight and a picture, and one without an order ends the flight.
 
     A picture gives ``pixels`` x ``pixels`` measurements of the field, evenly spread over its footprint, each with normal noise. Between the
-    centres of cells the field is bilinear.
+    centres of cells the field is bilinear: ``field`` (rows, columns) has the intensity at the centre of each cell of 1 m, the southernmost
+    row first. The robot's belief has the ``kernel``; ``budget`` is the time for all flights and pictures, of which each takes
+    ``sensing_time``, and the flight begins at ``start`` (m), at the lowest altitude.
 
     Raises InputError if the field has a negative or unknown intensity or nothing but 0, or more than 3,600 cells, or is not that of the
     arms; if the noise is lost to rounding beside the prior, the start is not on the field, or the budget does not suffice for one picture.
 
     Source: Sung (2019), problem 4 and section 5.6.1; docs/missions/hotspot-identification.md.
-
-    Parameters
-    ----------
-    field : array of shape (rows, columns)
-        Intensity at the centre of each cell of 1 m; row 0 is the southernmost.
-    kernel : SquaredExponential
-        Of the robot's belief.
-    rng : numpy.random.Generator
-        Noise.
-    budget, sensing_time : float
-        Time for all flights and pictures, and of one picture.
-    start : (float, float), m
-        Where the flight begins, at the lowest altitude.
     """
 
     def __init__(
@@ -166,12 +153,10 @@ def bumps(draw: Draw, shape: tuple[int, int], count: int, spread: tuple[float, f
 
 def read_field(path: str) -> Floats:
     """A table of intensities, numbers with commas, a line per row of cells, the northernmost first. Raises InputError."""
+    rows = read_text(path).split("\n")
     try:
-        rows = Path(path).read_text(encoding="utf-8").splitlines()
-        if not any(row.strip() for row in rows):
-            raise ValueError("it is empty")
         return np.loadtxt(rows, delimiter=",", ndmin=2, comments=None)[::-1]
-    except (OSError, ValueError) as fault:
+    except ValueError as fault:
         raise InputError(f"cannot be read as a table of numbers: {fault}", "file", file=path) from None
 
 

@@ -1,7 +1,5 @@
 """A grid of cells that are free or occupied and change, and robots with small batteries that keep a map of it up to date."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any

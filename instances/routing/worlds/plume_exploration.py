@@ -1,11 +1,8 @@
 """A plume of grid cells that drifts over a plane, and robots that find out where it is by flying over it."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass
-from pathlib import Path
 from types import MappingProxyType
 from typing import Any
 
@@ -13,6 +10,7 @@ import numpy as np
 
 from ...errors import InputError
 from ...generators import Draw
+from ...text import read_text
 from ...worlds import WORLDS, Setting, World, WorldKind, check_robot
 
 Cell = tuple[int, int]
@@ -195,10 +193,7 @@ def grown(rng: np.random.Generator, count: int) -> list[Cell]:
 
 def read_plume(path: str) -> tuple[list[Cell], Cell]:
     """Cells and start of a map: lines of ``#`` (plume), ``.`` (free) and one ``S`` (the start, plume too). Raises InputError."""
-    try:
-        lines = Path(path).read_text(encoding="utf-8").split("\n")
-    except (OSError, UnicodeDecodeError) as fault:
-        raise InputError(f"cannot be read as text: {fault}", "file", file=path) from None
+    lines = read_text(path).split("\n")
     cells, starts = [], []
     for k, line in enumerate(lines):
         for column, sign in enumerate(line.rstrip()):

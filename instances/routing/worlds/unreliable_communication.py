@@ -1,7 +1,5 @@
 """Unknown floors, and robots with small batteries that explore them and hear each other only when they are near."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ A row without a target declares an action that sees nothing, one with a robot al
 alone a target that nobody sees. Without a column ``weight`` every edge weighs 1.
 """
 
-from __future__ import annotations
-
 import math
 from pathlib import Path
 from typing import Any

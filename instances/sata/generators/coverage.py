@@ -3,8 +3,6 @@
 An item that an element draws twice is covered once. Weights of the items are uniform in [0.5, 2].
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

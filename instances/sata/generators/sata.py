@@ -13,8 +13,6 @@ Source: Sung (2019), Multi-Robot Coordination for Hazardous Environmental Monito
 docs/formulations/sensing.md#random-graphs.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

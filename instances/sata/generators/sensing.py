@@ -4,8 +4,6 @@ With a seed equal to the number of robots, ``sensing-regular`` gives the graphs 
 1.7818 for 10^3 robots, 1.4834 for 10^4. Targets that no action would see are left out, because they make every value 0.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from typing import Any

@@ -1,7 +1,5 @@
 """Points in a rectangle [0, width] x [0, height], in metres: where they may start, where they may be told to go, how they wander."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

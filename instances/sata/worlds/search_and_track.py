@@ -1,7 +1,5 @@
 """Robots with a limited field of view that look for moving targets, and what their filter makes of the detections."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, fields

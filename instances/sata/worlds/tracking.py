@@ -1,7 +1,5 @@
 """Robots that watch moving targets in a rectangle."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -94,7 +92,7 @@ class TrackingObservation:
         """Flag for each target, shape (targets,): true if at least one of the robots sees it now."""
         return np.asarray(self.seen.any(axis=0))
 
-    def part(self, rows: ArrayLike) -> TrackingObservation:
+    def part(self, rows: ArrayLike) -> "TrackingObservation":
         """The observation of the robots in these rows alone."""
         at = np.asarray(rows)
         return replace(

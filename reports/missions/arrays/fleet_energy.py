@@ -1,7 +1,5 @@
 """Fleet energy: which jobs a fleet can keep going, and which robot relieves which one when."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar
 

@@ -1,7 +1,5 @@
 """Exploring, mapping and searching by a team with budgets that must be heard again and again, and knows what it was told."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, ClassVar

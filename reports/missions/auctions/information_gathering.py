@@ -1,7 +1,5 @@
 """Information gathering: robots empty sensors before they are full, and bring what they take to their bases."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Orchard: robots bring empty bins to pickers and full ones home."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial

@@ -1,7 +1,5 @@
 """Room exploration: a team goes through a building in rounds, and learns the types of its rooms and where targets are."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, ClassVar

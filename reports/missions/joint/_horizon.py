@@ -1,7 +1,5 @@
 """Plans of a team within a horizon: views that are selected, ways that are open, and routes that are extended."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field

@@ -1,7 +1,5 @@
 """Persistent exploration: robots select views, share them out as routes, and extend these until the horizon, again and again."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any, ClassVar

@@ -1,7 +1,5 @@
 """Uncertain graph: a robot goes to its goal through a graph whose edge costs it learns on the way."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Any, ClassVar

@@ -1,7 +1,5 @@
 """Steps over a grid from one cell, compiled. Imports numba: import it inside functions only."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ....formulations.kernels import kernel

@@ -1,7 +1,5 @@
 """Hotspot identification: an aerial robot takes pictures from several altitudes to find the most intense place while its time lasts."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar

@@ -1,7 +1,5 @@
 """The least sum of longest waits of a patrol among a few fixed places, by labels that no other dominates."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ....formulations.kernels import inner, kernel

@@ -1,7 +1,5 @@
 """Plume exploration: robots fly over a drifting plume of unknown shape until every cell of it was visited, and return."""
 
-from __future__ import annotations
-
 import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
@@ -22,17 +20,11 @@ from ..mission import MISSIONS, Actions, Decision, Mission, Scene
 class DepthFirst:
     """Recursive depth-first exploration by a team: algorithm 4 of Sung (2019), repaired.
 
-    Each cell becomes a child of the one from which it is seen first. A robot goes to a child that is not explored in full, or else to the
-    parent. Several such children are halved again and again, the first against all others, and the robot goes where fewer robots are; ties
-    go to the first. Robots that arrive together all look before any goes on, and go in the order of their numbers. Source: Sung (2019),
-    section 4.4.1; what was repaired: docs/missions/plume-exploration.md#errata.
-
-    Attributes
-    ----------
-    parent, children : mappings from a cell
-        The tree; children in the order north, east, south, west.
-    depth : int
-        Edges of its longest path from the start.
+    Each cell becomes a child of the one from which it is seen first, children in the order north, east, south, west; ``depth`` counts the
+    edges of the longest path from the start. A robot goes to a child that is not explored in full, or else to the parent. Several such
+    children are halved again and again, the first against all others, and the robot goes where fewer robots are; ties go to the first.
+    Robots that arrive together all look before any goes on, and go in the order of their numbers. Source: Sung (2019), section 4.4.1; what
+    was repaired: docs/missions/plume-exploration.md#errata.
     """
 
     def __init__(self, start: Cell) -> None:

@@ -1,7 +1,5 @@
 """Exploration under unreliable communication: robots explore an unknown floor, and their maps count where they come to the base."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass

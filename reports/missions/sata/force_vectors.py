@@ -1,7 +1,5 @@
 """Local force vectors: robots are drawn to targets and pushed off by each other (A-CMOMMT)."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Search and tracking: robots decide which supposed targets to go and look at, and a filter counts and follows what they detect."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar

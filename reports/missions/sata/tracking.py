@@ -1,7 +1,5 @@
 """Tracking: robots predict targets, choose where to go next so that the targets stay in sight, and go there."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar, cast

@@ -1,16 +1,10 @@
 """The page of a risk allocation: the trajectory where there are dynamics, the risk of each constraint, and how many fail at once."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
+from ....formulations.risk.risk_allocation import RiskAllocation
+from ....formulations.solution import Solution
 from .. import PAGES
 from ..default_blocks import answer_table, charts
 from ..rendering import Block
-
-if TYPE_CHECKING:
-    from ....formulations.risk.risk_allocation import RiskAllocation
-    from ....formulations.solution import Solution
 
 
 @PAGES.register("risk-allocation")

@@ -1,7 +1,5 @@
 """A map of routes that zooms, on which a route or a stop is picked to see its facts."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
@@ -11,6 +9,7 @@ import numpy as np
 from ....formulations.rendering import number
 from ....formulations.routing.problem import RoutingProblem
 from ....formulations.routing.routes import Routes
+from ....formulations.solution import Solution
 from ....instances.clock import moment_told
 from ....instances.errors import UsageError
 from ....instances.printable import printable
@@ -25,7 +24,6 @@ from ..rendering import Block, Rendering
 if TYPE_CHECKING:
     from markupsafe import Markup
 
-    from ....formulations.solution import Solution
 
 WIDTH, LEAST_HEIGHT, MOST_HEIGHT, MARGIN = 1000.0, 420.0, 820.0, 36.0
 """Width, height and margin of the map, in its own units."""
@@ -47,7 +45,7 @@ class RouteMap:
     problem: RoutingProblem
     answer: Routes
 
-    def html(self, made: Rendering) -> Markup:
+    def html(self, made: Rendering) -> "Markup":
         problem, answer = self.problem, self.answer
         where, scaled = site_positions(problem)
         at, height = placed(where, geographic(problem))

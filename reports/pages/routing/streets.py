@@ -1,20 +1,16 @@
 """Routes on a map of streets, by folium; unlike a page it loads tiles and scripts from the network."""
 
-from __future__ import annotations
-
 import html
 from importlib.util import find_spec
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ....formulations.routing.answers import answer_geojson
 from ....formulations.routing.problem import RoutingProblem
+from ....formulations.solution import Solution
 from ....instances.errors import MissingPackageError, UsageError
 from ....instances.printable import printable
 from ...plots.drawing import COLOURS
 from ...plots.routing.routes import route_ranks
-
-if TYPE_CHECKING:
-    from ....formulations.solution import Solution
 
 _IN_SCRIPTS = str.maketrans({"`": "&#96;", "$": "&#36;", "\\": "&#92;", "{": "&#123;", "}": "&#125;"})
 """folium writes texts into templates of JavaScript."""

@@ -1,7 +1,5 @@
 """Pictures of assignments of robots to bins."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Pictures of generalised assignments: how much of each agent's capacity its jobs take."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

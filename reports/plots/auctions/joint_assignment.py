@@ -1,7 +1,5 @@
 """Pictures of joint assignments: the errand of each robot over time."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from ....formulations.auctions.joint_assignment import JointAssignment

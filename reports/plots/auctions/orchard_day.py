@@ -1,7 +1,5 @@
 """Pictures of days in the orchard."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from ....formulations.auctions.orchard_day import OrchardDay

@@ -1,7 +1,5 @@
 """Pictures of explorations: a map of rooms, doors and links, and the way of each robot."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

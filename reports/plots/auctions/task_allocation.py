@@ -1,7 +1,5 @@
 """Pictures of tasks of robots: paths and parts on a map, or as bars where places are not known."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

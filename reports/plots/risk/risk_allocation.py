@@ -1,7 +1,5 @@
 """Pictures of risk allocations: trajectories with their chance ellipses, risks under their budget, and how often constraints fail."""
 
-from __future__ import annotations
-
 import math
 from functools import partial
 from typing import Any

@@ -1,7 +1,5 @@
 """Pictures of risky paths: maps with the path coloured by the risk run until then, or charts of the risk at each state."""
 
-from __future__ import annotations
-
 import itertools
 from typing import Any
 

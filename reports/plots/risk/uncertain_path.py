@@ -1,7 +1,5 @@
 """Pictures of paths through graphs of uncertain edge costs."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np

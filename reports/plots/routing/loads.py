@@ -1,22 +1,18 @@
 """Loads of vehicles along their routes, beside their capacities."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ....formulations.routing.judge import schedule
 from ....formulations.routing.problem import RoutingProblem
 from ....formulations.routing.routes import Routes
+from ....formulations.solution import Solution
 from ....instances.errors import UsageError
 from .. import PLOTS
 from ..drawing import ALARM, COLOURS, chart_axes, legend_below, new_axes, roomy
 from .routes import heading, route_ranks
-
-if TYPE_CHECKING:
-    from ....formulations.solution import Solution
 
 LABELLED_ROUTES = 60
 """Number of routes above which the bars have no names."""

@@ -1,25 +1,21 @@
 """Maps of routes: where sites lie, a scale bar, arrows along the way, and a legend for any number of routes."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ....formulations.rendering import number
 from ....formulations.routing.problem import RoutingProblem
 from ....formulations.routing.routes import Routes
+from ....formulations.solution import Solution
 from ....instances.errors import UsageError
 from ....instances.routing.travel import EXPLICIT
 from ....instances.suggestions import did_you_mean
 from .. import PLOTS
 from ..drawing import COLOURS, Floats, bare, entitle, figures_of, literal, new_axes, roomy
 from ..positions import SCALED_SITES, scaled_positions
-
-if TYPE_CHECKING:
-    from ....formulations.solution import Solution
 
 LINE_STYLES = ("-", (0, (5, 1.5)), (0, (1.5, 1.2)), (0, (6, 1.5, 1.5, 1.5)))
 

@@ -1,21 +1,17 @@
 """Schedules of routes: driving, waiting and service along the hours, with the windows that bind."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ....formulations.routing.judge import Schedule, schedule
 from ....formulations.routing.problem import RoutingProblem
 from ....formulations.routing.routes import Route, Routes
+from ....formulations.solution import Solution
 from .. import PLOTS
 from ..drawing import ALARM, COLOURS, INK, legend_below, new_axes, roomy
 from .routes import heading, route_ranks
-
-if TYPE_CHECKING:
-    from ....formulations.solution import Solution
 
 LABELLED_ROWS = 60
 """Number of routes above which the rows have no names."""

@@ -1,8 +1,6 @@
 """Pictures of selections and max-min answers, and of the sensing graphs that both may stand on: as maps, or in two columns."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,12 +10,10 @@ from ....formulations.sata.max_min_lp import MaxMinLP
 from ....formulations.sata.selections import indicator
 from ....formulations.sata.submodular_selection import SubmodularSelection
 from ....formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
+from ....formulations.solution import Solution
 from ....instances.sata.sensing_graph import SensingGraph
 from .. import PLOTS
 from ..drawing import ALARM, COLOURS, INK, QUIET, bare, bars, chart_axes, entitled, new_axes, rounded
-
-if TYPE_CHECKING:
-    from ....formulations.solution import Solution
 
 Floats = NDArray[np.float64]
 

@@ -1,7 +1,5 @@
 """Fleet energy after Mitchell (2020), appendix A: what a fleet sustains, and how far exchanges one by one are from the fewest."""
 
-from __future__ import annotations
-
 from itertools import groupby
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +17,7 @@ from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, NOT, SIGN, UNDECIDED, Finding
 from ..frames import HALF, apart, film_of, frame_table, mean_interval, times_apart
 from ..processes import called, spread
-from ..study import Clip, Fault, Figure, Report, StudySetting, study, thinned
+from ..study import Clip, Fault, Report, StudySetting, figure, study, thinned
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -117,7 +115,6 @@ def claimed(seed: int, name: str) -> list[dict[str, Any]]:
     claim="ceil(charge / flight) + 1 robots sustain a job for ever; 100 robots fly 4 to 5 at a time; of 26 the supported jobs fall 3, 2, 1",
 )
 def fleet_energy(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     import pandas as pd
 
     tasks: list[tuple[Any, ...]] = [(part, seed) for part in (small, looped) for seed in setting.seeds]
@@ -150,7 +147,7 @@ def broken_schedules(rows: list[dict[str, Any]]) -> list[Fault]:
     return [*broken, *(Fault("bound", f"seed {seed}: one by one is better than the fewest takeoffs", None, "order") for seed in better)]
 
 
-def means(runs: pd.DataFrame) -> list[dict[str, Any]]:
+def means(runs: "pd.DataFrame") -> list[dict[str, Any]]:
     """Each part and method with intervals, and by how much one by one loses."""
     rows: list[dict[str, Any]] = []
     for (part, method), own in runs.groupby(["part", "method"], sort=False) if len(runs) else ():
@@ -171,7 +168,7 @@ def means(runs: pd.DataFrame) -> list[dict[str, Any]]:
     return rows
 
 
-def findings(runs: pd.DataFrame) -> list[Finding]:
+def findings(runs: "pd.DataFrame") -> list[Finding]:
     """The claims of the appendix."""
     fleet = np.zeros(30, dtype=np.int64)
     longest = max(minutes for minutes in range(1, 61) if feasible(fleet, [(1, np.inf), (1, minutes)], 2, 34))
@@ -208,25 +205,22 @@ def findings(runs: pd.DataFrame) -> list[Finding]:
     return found
 
 
-def supported_figure(seed: int) -> Figure:
+@figure("fleet-energy", 7.0, 4.6)
+def supported_figure(figure: Any, seed: int) -> None:
     """Jobs for ever that a fleet of 26 supports, and its estimate of the charging time, over the run."""
-
-    def draw(figure: Any) -> None:
-        mission = FleetEnergy()
-        trace: list[tuple[float, float, float]] = []
-        run(
-            mission, seed=seed, policy="one-by-one", **PLAYS["26 robots, charge believed short"],
-            watch=lambda world, row: trace.append((world.time / 6.0, len(mission.taken), mission.charge / 6.0)),
-        )  # fmt: skip
-        minutes, jobs, charge = np.array(trace[1:]).T
-        above, below = figure.subplots(2, 1, sharex=True)
-        above.step(minutes, jobs, color=COLOURS[0], where="post")
-        above.set_ylim(0, 3.5)
-        below.plot(minutes, charge, color=COLOURS[3])
-        below.axhline(40.0, color=COLOURS[8], linestyle=":", linewidth=1.0)
-        below.set_ylim(0, 45)
-        below.set_xlabel("minutes", fontsize=9)
-        plain(above, "jobs for ever that are supported")
-        plain(below, "charging time, minutes: estimate, and the true mean")
-
-    return Figure("fleet-energy", draw, (7.0, 4.6))
+    mission = FleetEnergy()
+    trace: list[tuple[float, float, float]] = []
+    run(
+        mission, seed=seed, policy="one-by-one", **PLAYS["26 robots, charge believed short"],
+        watch=lambda world, row: trace.append((world.time / 6.0, len(mission.taken), mission.charge / 6.0)),
+    )  # fmt: skip
+    minutes, jobs, charge = np.array(trace[1:]).T
+    above, below = figure.subplots(2, 1, sharex=True)
+    above.step(minutes, jobs, color=COLOURS[0], where="post")
+    above.set_ylim(0, 3.5)
+    below.plot(minutes, charge, color=COLOURS[3])
+    below.axhline(40.0, color=COLOURS[8], linestyle=":", linewidth=1.0)
+    below.set_ylim(0, 45)
+    below.set_xlabel("minutes", fontsize=9)
+    plain(above, "jobs for ever that are supported")
+    plain(below, "charging time, minutes: estimate, and the true mean")

@@ -1,7 +1,5 @@
 """Auctions of bins against their guarantees, on assignments whose optimum is enumerated or known by construction."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator

@@ -17,7 +17,7 @@ from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
 from ..frames import HALF, apart, film_of, frame_table, intervals, mean_interval, times_apart
 from ..processes import called, spread
-from ..study import Clip, Fault, Figure, Report, StudySetting, study, thinned
+from ..study import Clip, Fault, Report, StudySetting, figure, study, thinned
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -124,7 +124,6 @@ def looped(seed: int, budget: int) -> list[dict[str, Any]]:
     claim="each weight gains its own utility; relays gain no less than robots alone; utility grows with the team and with the silence",
 )
 def explore_map_search(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     import pandas as pd
 
     each = [
@@ -200,41 +199,38 @@ def findings(sweeps: pd.DataFrame) -> list[Finding]:
     relayed, alone = ([table("policy", policy, f"at{step}")[3] for step in range(EVERY, 101, EVERY)] for policy in POLICIES)
     leads = [(f"step {EVERY * (k + 1)}", *mean_interval(a - b)) for k, (a, b) in enumerate(zip(relayed, alone, strict=True))]
     found.append(Finding.of_points("Fig. 5.4: relays against alone", "no less throughout", leads, f"by {leads[-1][1]:.2g} in the end"))
-    for figure, key, why in (("Fig. 5.5", "robots", ""), ("Fig. 5.6", "silence", STUCK)):
+    for printed, key, why in (("Fig. 5.5", "robots", ""), ("Fig. 5.6", "silence", STUCK)):
         utility = table(key, "relays", "utility")
         steps = list(zip(utility.columns, utility.columns[1:], strict=False))
         grown = [(f"{a} to {b}", *mean_interval(utility[b] - utility[a])) for a, b in steps]
         ours = f"{utility.iloc[:, 0].mean():.3g} to {utility.iloc[:, -1].mean():.3g}"
-        found.append(Finding.of_points(f"{figure}: utility with {key}", "grows", grown, ours, why))
+        found.append(Finding.of_points(f"{printed}: utility with {key}", "grows", grown, ours, why))
     return found
 
 
-def sweeps_figure(sweeps: pd.DataFrame) -> Figure:
+@figure("explore-map-search", 13.0, 3.6)
+def sweeps_figure(figure: Any, sweeps: pd.DataFrame) -> None:
     """Gains by weights, and utility over steps, teams and silence."""
-
-    def draw(figure: Any) -> None:
-        axes: Sequence[Any] = figure.subplots(1, 4)
-        weights = sweeps[sweeps["sweep"] == "weights"].groupby("level", sort=False)[list(GAINS)].mean()
-        for k, key in enumerate(GAINS):
-            axes[0].bar(np.arange(len(weights)) + 0.27 * (k - 1), weights[key], 0.25, color=COLOURS[k], label=key)
-        axes[0].set_xticks(range(len(weights)), [f"{name} 0.9" for name in weights.index], fontsize=8)
-        axes[0].set_ylim(0.0, 1.3 * float(weights.to_numpy().max()))
-        axes[0].legend(frameon=False, fontsize=8, ncols=3, loc="upper center", columnspacing=1.0, handlelength=1.0)
-        for colour, policy in zip(COLOURS, POLICIES, strict=False):
-            own = sweeps[sweeps["policy"] == policy]
-            steps = range(EVERY, 101, EVERY)
-            told = own[own["sweep"] == "policy"]
-            curves = [(axes[1], list(steps), [told[f"at{step}"] for step in steps])]
-            for ax, key in zip(axes[2:], ("robots", "silence"), strict=True):
-                curves.append((ax, list(SWEEPS[key]), [own[(own["sweep"] == key) & (own["level"] == v)]["utility"] for v in SWEEPS[key]]))
-            for ax, across, values in curves:
-                middle, half = np.array([mean_interval(v) for v in values]).T
-                ax.plot(across, middle, color=colour, marker="o", markersize=3, label=policy)
-                ax.set_xticks(across[:: 1 if len(across) < EVERY else 2])
-                ax.fill_between(across, middle - half, middle + half, color=colour, alpha=0.2, linewidth=0)
-        for ax, label in zip(axes, ("", "step", "robots", "silence"), strict=True):
-            ax.set_xlabel(label, fontsize=9)
-            plain(ax, "utility" if label else "gain")
-        axes[1].legend(frameon=False, fontsize=8)
-
-    return Figure("explore-map-search", draw, (13.0, 3.6))
+    axes: Sequence[Any] = figure.subplots(1, 4)
+    weights = sweeps[sweeps["sweep"] == "weights"].groupby("level", sort=False)[list(GAINS)].mean()
+    for k, key in enumerate(GAINS):
+        axes[0].bar(np.arange(len(weights)) + 0.27 * (k - 1), weights[key], 0.25, color=COLOURS[k], label=key)
+    axes[0].set_xticks(range(len(weights)), [f"{name} 0.9" for name in weights.index], fontsize=8)
+    axes[0].set_ylim(0.0, 1.3 * float(weights.to_numpy().max()))
+    axes[0].legend(frameon=False, fontsize=8, ncols=3, loc="upper center", columnspacing=1.0, handlelength=1.0)
+    for colour, policy in zip(COLOURS, POLICIES, strict=False):
+        own = sweeps[sweeps["policy"] == policy]
+        steps = range(EVERY, 101, EVERY)
+        told = own[own["sweep"] == "policy"]
+        curves = [(axes[1], list(steps), [told[f"at{step}"] for step in steps])]
+        for ax, key in zip(axes[2:], ("robots", "silence"), strict=True):
+            curves.append((ax, list(SWEEPS[key]), [own[(own["sweep"] == key) & (own["level"] == v)]["utility"] for v in SWEEPS[key]]))
+        for ax, across, values in curves:
+            middle, half = np.array([mean_interval(v) for v in values]).T
+            ax.plot(across, middle, color=colour, marker="o", markersize=3, label=policy)
+            ax.set_xticks(across[:: 1 if len(across) < EVERY else 2])
+            ax.fill_between(across, middle - half, middle + half, color=colour, alpha=0.2, linewidth=0)
+    for ax, label in zip(axes, ("", "step", "robots", "silence"), strict=True):
+        ax.set_xlabel(label, fontsize=9)
+        plain(ax, "utility" if label else "gain")
+    axes[1].legend(frameon=False, fontsize=8)

@@ -9,7 +9,7 @@ from ...plots.drawing import band, plain
 from ..findings import LOST, Finding
 from ..frames import HALF, apart, frame_table, mean_interval, play
 from ..processes import spread
-from ..study import Figure, Report, StudySetting, study
+from ..study import Report, StudySetting, figure, study
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -47,7 +47,6 @@ NOTES = (
     claim="the partition is better than the auction in gain, idle time and loss, for 2 to 5 robots",
 )
 def information_gathering(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     import pandas as pd
 
     teams, steps = (TEAMS, STEPS) if setting.full else (TEAMS[:2], 60)
@@ -107,21 +106,18 @@ def findings(runs: pd.DataFrame, rows: list[dict[str, Any]]) -> list[Finding]:
     return found
 
 
-def metrics_figure(table: pd.DataFrame) -> Figure:
+@figure("information-gathering", 11.0, 6.6)
+def metrics_figure(figure: Any, table: pd.DataFrame) -> None:
     """Each metric over the number of robots, and below it its lead over the auction on the same runs; bands are the intervals."""
-
-    def draw(figure: Any) -> None:
-        axes = figure.subplots(2, len(TITLES), sharex=True)
-        for column, (name, title) in enumerate(TITLES.items()):
-            for ax, key in zip(axes[:, column], (name, f"{name}_above"), strict=True):
-                for method, colour in COLOURS.items():
-                    own = table[table["method"] == method]
-                    band(ax, own["robots"], own[key], own[key + HALF], 0.22, color=colour, marker="o", markersize=3, label=method)
-            axes[0, column].set_ylim(bottom=0)
-            axes[1, column].set_xlabel("robots", fontsize=9)
-            axes[1, column].locator_params(axis="x", integer=True)
-            plain(axes[0, column], title)
-            plain(axes[1, column], "above the auction, on the same runs")
-        figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=len(COLOURS), frameon=False, fontsize=9)
-
-    return Figure("information-gathering", draw, (11.0, 6.6))
+    axes = figure.subplots(2, len(TITLES), sharex=True)
+    for column, (name, title) in enumerate(TITLES.items()):
+        for ax, key in zip(axes[:, column], (name, f"{name}_above"), strict=True):
+            for method, colour in COLOURS.items():
+                own = table[table["method"] == method]
+                band(ax, own["robots"], own[key], own[key + HALF], 0.22, color=colour, marker="o", markersize=3, label=method)
+        axes[0, column].set_ylim(bottom=0)
+        axes[1, column].set_xlabel("robots", fontsize=9)
+        axes[1, column].locator_params(axis="x", integer=True)
+        plain(axes[0, column], title)
+        plain(axes[1, column], "above the auction, on the same runs")
+    figure.legend(*axes[0, 0].get_legend_handles_labels(), loc="outside lower center", ncols=len(COLOURS), frameon=False, fontsize=9)

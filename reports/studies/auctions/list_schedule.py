@@ -1,7 +1,5 @@
 """Lists of full bins against their guarantees: jobs of fixed lengths on identical machines, whose optimum is enumerated or known."""
 
-from __future__ import annotations
-
 import itertools
 from functools import partial
 from typing import Any

@@ -1,7 +1,5 @@
 """Local ratios for generalised assignments of profits, whose optimum is enumerated or known by construction."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from functools import partial

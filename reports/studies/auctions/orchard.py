@@ -72,7 +72,6 @@ def days_of(seed: int, teams: tuple[int, ...], groups: tuple[int, ...]) -> list[
     claim="the auction needs fewer steps and returns more bins than the greedy baseline, for 2 to 20 robots",
 )
 def orchard(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     import pandas as pd
 
     teams, groups = (TEAMS, GROUPS) if setting.full else ((2, 8), (4,))
@@ -237,7 +236,6 @@ def small_day(seed: int, robots: int) -> list[dict[str, Any]]:
     claim="none: the source compares its rules with each other alone",
 )
 def orchard_optimum(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     tasks = [(seed, m) for seed in setting.seeds for m in ((1, 2, 3) if setting.full else (3,))]
     done = spread(small_day, tasks, setting.jobs, setting.told, lambda task: f"{task[1]} robots, day {task[0]}")
     rows = []

@@ -1,14 +1,12 @@
 """Looking further than the next bin in the orchard, after Zhang (2015), section 3.6."""
 
-from __future__ import annotations
-
 from typing import TYPE_CHECKING, Any
 
 from ...plots.drawing import band, plain
 from ..findings import LOST, Finding
 from ..frames import HALF, apart, frame_table, mean_interval, play
 from ..processes import spread
-from ..study import Figure, Report, StudySetting, study
+from ..study import Report, StudySetting, figure, study
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -34,7 +32,6 @@ TEAMS = (2, 4, 8, 12)
     claim="only the first bin of a plan matters: later ones add noise, as other robots take them",
 )
 def orchard_look_ahead(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     import pandas as pd
 
     teams = TEAMS if setting.full else TEAMS[-2:-1]
@@ -58,7 +55,7 @@ def orchard_look_ahead(setting: StudySetting) -> Report:
     )  # fmt: skip
 
 
-def look_ahead_rows(days: pd.DataFrame) -> list[dict[str, Any]]:
+def look_ahead_rows(days: "pd.DataFrame") -> list[dict[str, Any]]:
     """Mean steps of each method, and how far above the auction on the same days."""
     rows = []
     for robots, alike in days.groupby("robots"):
@@ -70,16 +67,13 @@ def look_ahead_rows(days: pd.DataFrame) -> list[dict[str, Any]]:
     return rows
 
 
-def _figure(rows: pd.DataFrame) -> Figure:
+@figure("orchard-look-ahead", 6.5, 3.2)
+def _figure(figure: Any, rows: "pd.DataFrame") -> None:
     """Steps above the auction's on the same days, over the number of robots."""
-
-    def draw(figure: Any) -> None:
-        ax = figure.subplots()
-        for method, colour in COLOURS.items():
-            own = rows[rows["method"] == method]
-            band(ax, own["robots"], own["above"], own[f"above{HALF}"], color=colour, marker="o", markersize=3, label=method)
-        ax.set_xlabel("robots", fontsize=9)
-        ax.legend(frameon=False, fontsize=8)
-        plain(ax, "steps above the auction, on the same days")
-
-    return Figure("orchard-look-ahead", draw, (6.5, 3.2))
+    ax = figure.subplots()
+    for method, colour in COLOURS.items():
+        own = rows[rows["method"] == method]
+        band(ax, own["robots"], own["above"], own[f"above{HALF}"], color=colour, marker="o", markersize=3, label=method)
+    ax.set_xlabel("robots", fontsize=9)
+    ax.legend(frameon=False, fontsize=8)
+    plain(ax, "steps above the auction, on the same days")

@@ -1,7 +1,5 @@
 """Auctions of tasks against their guarantees, on instances whose best paths are enumerated."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from functools import partial

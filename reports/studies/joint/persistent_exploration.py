@@ -19,7 +19,7 @@ from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
 from ..frames import apart, film_of, frame_table, intervals, mean_interval, times_apart
 from ..processes import spread
-from ..study import Clip, Fault, Figure, Report, StudySetting, study, thinned
+from ..study import Clip, Fault, Report, StudySetting, figure, study, thinned
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -131,7 +131,6 @@ def explored(seed: int, names: Sequence[str], steps: int) -> list[dict[str, Any]
     claim="the system converges faster, to 59 % of the entropy and 71 % of the divergence of pure greedy; robots count more than waypoints",
 )
 def persistent_exploration(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     import pandas as pd
 
     names, steps = (tuple(RUNS), 120) if setting.full else (SHORT, 30)
@@ -224,24 +223,21 @@ def findings(runs: pd.DataFrame, loops: pd.DataFrame, names: Sequence[str]) -> l
     return found
 
 
-def runs_figure(runs: pd.DataFrame, names: Sequence[str]) -> Figure:
+@figure("persistent-exploration", 11.0, 4.6)
+def runs_figure(figure: Any, runs: pd.DataFrame, names: Sequence[str]) -> None:
     """Entropy, divergence, response and time to converge of each run, with intervals."""
-
-    def draw(figure: Any) -> None:
-        panels = {
-            "entropy": "entropy, bits",
-            "divergence": "divergence, bits",
-            "late": "late, % of the period",
-            "converged": "converged, s",
-        }
-        axes = figure.subplots(1, len(panels), sharey=True)
-        for ax, (key, title) in zip(axes, panels.items(), strict=True):
-            for k, name in enumerate(names):
-                mean, half = mean_interval(runs[runs["method"] == name][key])
-                ax.barh(k, mean, 0.7, xerr=np.nan_to_num(half), color=COLOURS[0 if name == "system" else 1], capsize=2.0)
-            plain(ax, "")
-            ax.set_xlabel(title, fontsize=9)
-        axes[0].set_yticks(range(len(names)), names, fontsize=8)
-        axes[0].invert_yaxis()
-
-    return Figure("persistent-exploration", draw, (11.0, 4.6))
+    panels = {
+        "entropy": "entropy, bits",
+        "divergence": "divergence, bits",
+        "late": "late, % of the period",
+        "converged": "converged, s",
+    }
+    axes = figure.subplots(1, len(panels), sharey=True)
+    for ax, (key, title) in zip(axes, panels.items(), strict=True):
+        for k, name in enumerate(names):
+            mean, half = mean_interval(runs[runs["method"] == name][key])
+            ax.barh(k, mean, 0.7, xerr=np.nan_to_num(half), color=COLOURS[0 if name == "system" else 1], capsize=2.0)
+        plain(ax, "")
+        ax.set_xlabel(title, fontsize=9)
+    axes[0].set_yticks(range(len(names)), names, fontsize=8)
+    axes[0].invert_yaxis()

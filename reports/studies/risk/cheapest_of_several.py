@@ -1,7 +1,5 @@
 """The chance that the cheapest of several paths costs less than x, after Skeele (2016), section 5.3 and Fig. 5.2."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -10,7 +8,7 @@ from ....formulations.risk.path_sets import PathSet, cheaper_probability
 from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
 from ..frames import frame_table
-from ..study import Figure, Report, StudySetting, study
+from ..study import Report, StudySetting, figure, study
 
 FIRST = (20.0, 25.0)
 """Fig. 5.2: mean and variance of the one path of the first set; the second paths of the later ones are not given, and ours."""
@@ -72,15 +70,12 @@ def cheapest_of_several(setting: StudySetting) -> Report:
     )  # fmt: skip
 
 
-def _figure() -> Figure:
+@figure("cheapest-of-several", 7.5, 3.8)
+def _figure(figure: Any) -> None:
     """The chances over x."""
-
-    def draw(figure: Any) -> None:
-        ax, x = figure.subplots(), np.linspace(0.0, 36.0, 73)
-        for k, (name, paths) in enumerate(SETS.items()):
-            ax.plot(x, [chance(paths, cost) for cost in x], color=COLOURS[k], linewidth=1.5, label=name)
-        ax.set_xlabel("x", fontsize=9)
-        ax.legend(frameon=False, fontsize=8)
-        plain(ax, "chance that the cheapest path costs less than x")
-
-    return Figure("cheapest-of-several", draw, (7.5, 3.8))
+    ax, x = figure.subplots(), np.linspace(0.0, 36.0, 73)
+    for k, (name, paths) in enumerate(SETS.items()):
+        ax.plot(x, [chance(paths, cost) for cost in x], color=COLOURS[k], linewidth=1.5, label=name)
+    ax.set_xlabel("x", fontsize=9)
+    ax.legend(frameon=False, fontsize=8)
+    plain(ax, "chance that the cheapest path costs less than x")

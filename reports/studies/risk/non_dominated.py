@@ -1,7 +1,5 @@
 """Sets of non-dominated paths on random roadmaps: how many there are, and how long searches take, after Skeele (2016), section 5.5.1."""
 
-from __future__ import annotations
-
 import time
 from typing import Any
 
@@ -15,7 +13,7 @@ from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
 from ..frames import HALF, frame_table, mean_interval
 from ..processes import spread
-from ..study import Figure, Report, StudySetting, study
+from ..study import Report, StudySetting, figure, study
 
 VARIANCES = (5.0, 10.0, 20.0)
 
@@ -75,16 +73,13 @@ def non_dominated(setting: StudySetting) -> Report:
     )  # fmt: skip
 
 
-def _figure(counts: list[float]) -> Figure:
+@figure("non-dominated-paths", 7.0, 3.2)
+def _figure(figure: Any, counts: list[float]) -> None:
     """How many graphs have how many paths."""
-
-    def draw(figure: Any) -> None:
-        ax = figure.subplots()
-        ax.hist(counts, bins=np.arange(0.0, max(*counts, PATHS) + 4.0, 2.0), color=COLOURS[0])
-        ax.axvline(PATHS, color=COLOURS[3], linewidth=1.2)
-        ax.annotate("printed mean", (PATHS, 0.9), xycoords=("data", "axes fraction"), xytext=(-4, 0), textcoords="offset points",
-                    fontsize=8.5, color=COLOURS[3], ha="right")  # fmt: skip
-        ax.set_xlabel("non-dominated paths", fontsize=9)
-        plain(ax, "graphs")
-
-    return Figure("non-dominated-paths", draw, (7.0, 3.2))
+    ax = figure.subplots()
+    ax.hist(counts, bins=np.arange(0.0, max(*counts, PATHS) + 4.0, 2.0), color=COLOURS[0])
+    ax.axvline(PATHS, color=COLOURS[3], linewidth=1.2)
+    ax.annotate("printed mean", (PATHS, 0.9), xycoords=("data", "axes fraction"), xytext=(-4, 0), textcoords="offset points",
+                fontsize=8.5, color=COLOURS[3], ha="right")  # fmt: skip
+    ax.set_xlabel("non-dominated paths", fontsize=9)
+    plain(ax, "graphs")

@@ -1,7 +1,5 @@
 """Planners of least risk on random maps, after Xiao (2019), section 4.2.2: sums of risks, and labels that look back."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -17,7 +15,7 @@ from ...plots.risk.risky_path import plot_risky_path
 from ..findings import LOST, Finding
 from ..frames import HALF, frame_table, mean_interval
 from ..processes import spread
-from ..study import Figure, Report, StudySetting, study
+from ..study import Report, StudySetting, figure, study
 
 PLANNERS: dict[str, Request] = {
     "additive": Request(heuristic="additive-risk", bound_time=0.0),
@@ -62,7 +60,6 @@ def compared(seed: int, kind: str) -> list[dict[str, Any]]:
     claim="one label a cell loses the least risk and two states find it, but not with risks of the whole way; sums take riskier paths",
 )
 def risky_planners(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     tasks = [(seed, kind) for seed in setting.seeds for kind in KINDS]
     done = spread(compared, tasks, setting.jobs, setting.told, lambda task: f"map {task[0]}, {task[1]}")
     rows = []
@@ -111,15 +108,12 @@ def findings(rows: list[dict[str, Any]]) -> list[Finding]:
     return found
 
 
-def _figure(row: dict[str, Any]) -> Figure:
+@figure("risky-planners", 9.6, 4.2)
+def _figure(figure: Any, row: dict[str, Any]) -> None:
     """The paths of the additive planner and of least risk on the map where they lie farthest apart."""
-
-    def draw(figure: Any) -> None:
-        problem = map_of(row["seed"], row["kind"])
-        ways = {"additive planner": solve(problem, PLANNERS["additive"]), "least risk": solve(problem, LEAST)}
-        for k, (ax, (name, way)) in enumerate(zip(figure.subplots(1, 2), ways.items(), strict=True)):
-            plot_risky_path(problem, way.answer, ax=ax, title=name)
-            plain(ax, f"{name}: {way.objective:.3f}")
-            ax.title.set_color(COLOURS[k])
-
-    return Figure("risky-planners", draw, (9.6, 4.2))
+    problem = map_of(row["seed"], row["kind"])
+    ways = {"additive planner": solve(problem, PLANNERS["additive"]), "least risk": solve(problem, LEAST)}
+    for k, (ax, (name, way)) in enumerate(zip(figure.subplots(1, 2), ways.items(), strict=True)):
+        plot_risky_path(problem, way.answer, ax=ax, title=name)
+        plain(ax, f"{name}: {way.objective:.3f}")
+        ax.title.set_color(COLOURS[k])

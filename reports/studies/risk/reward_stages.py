@@ -1,7 +1,5 @@
 """Reward per risk by two stages and exactly, on random maps, after Xiao (2019), sections 4.2.2.2 and 4.3."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from ....formulations.risk.risky_path import RiskyPath
@@ -14,7 +12,7 @@ from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
 from ..frames import HALF, frame_table, mean_interval
 from ..processes import spread
-from ..study import Figure, Report, StudySetting, study
+from ..study import Report, StudySetting, figure, study
 
 MAP = {"rows": 4, "columns": 5, "occupied": 0.2, "block": 1, "rewards": 6, "connectivity": 4, "turn": 0.1, "clearance": 0.1, "length": 0.05}
 
@@ -49,7 +47,6 @@ def stages(seed: int, discount: float) -> list[dict[str, Any]]:
     claim="two stages find the same goal as the exact planner, whose path turns once more for more reward",
 )
 def reward_stages(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     tasks = [(seed, discount) for seed in setting.seeds for discount in DISCOUNTS]
     done = spread(stages, tasks, setting.jobs, setting.told, lambda task: f"map {task[0]}")
     rows = []
@@ -78,18 +75,15 @@ def reward_stages(setting: StudySetting) -> Report:
     )  # fmt: skip
 
 
-def _figure(observations: list[dict[str, Any]]) -> Figure:
+@figure("reward-stages", 7.0, 3.4)
+def _figure(figure: Any, observations: list[dict[str, Any]]) -> None:
     """The share of each map, from the least to the largest."""
-
-    def draw(figure: Any) -> None:
-        ax = figure.subplots()
-        for k, discount in enumerate(DISCOUNTS):
-            shares = sorted(row["share"] for row in observations if row["discount"] == discount)
-            ax.step([(i + 1) / len(shares) for i in range(len(shares))], shares, where="post", color=COLOURS[k],
-                    label="all rewards count" if discount else "the last alone counts")  # fmt: skip
-        ax.set_xlabel("share of the maps", fontsize=9)
-        ax.set_ylim(0.0, 1.05)
-        ax.legend(frameon=False, fontsize=8, loc="lower right")
-        plain(ax, "two stages' reward per risk over the best")
-
-    return Figure("reward-stages", draw, (7.0, 3.4))
+    ax = figure.subplots()
+    for k, discount in enumerate(DISCOUNTS):
+        shares = sorted(row["share"] for row in observations if row["discount"] == discount)
+        ax.step([(i + 1) / len(shares) for i in range(len(shares))], shares, where="post", color=COLOURS[k],
+                label="all rewards count" if discount else "the last alone counts")  # fmt: skip
+    ax.set_xlabel("share of the maps", fontsize=9)
+    ax.set_ylim(0.0, 1.05)
+    ax.legend(frameon=False, fontsize=8, loc="lower right")
+    plain(ax, "two stages' reward per risk over the best")

@@ -1,7 +1,5 @@
 """The tables of Xiao (2019): risks of a worked example and of two flown paths, and how often these failed."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from itertools import pairwise
@@ -15,7 +13,7 @@ from ....instances.risk.risky_graph import RiskyGraph
 from ...plots.drawing import COLOURS, plain
 from ..findings import NOT, SIGN, UNDECIDED, Finding
 from ..frames import frame_table
-from ..study import Figure, Report, StudySetting, broken, study
+from ..study import Report, StudySetting, broken, figure, study
 
 ELEMENTS = ("distance", "visibility", "length", "turn", "tether", "contacts")
 
@@ -123,21 +121,18 @@ def _same(red: tuple[int, int], green: tuple[int, int]) -> float:
     return float(stats.fisher_exact([[red[0], red[1] - red[0]], [green[0], green[1] - green[0]]]).pvalue)
 
 
-def _figure(rows: Sequence[dict[str, Any]]) -> Figure:
+@figure("risk-tables", 7.0, 2.6)
+def _figure(figure: Any, rows: Sequence[dict[str, Any]]) -> None:
     """Risk of each flown path, and its share of failures with an interval."""
-
-    def draw(figure: Any) -> None:
-        ax = figure.subplots()
-        for k, (name, (failed, flown)) in enumerate(FLIGHTS.items()):
-            low, high = _interval(failed, flown)
-            share, risk = failed / flown, next(row["risk"] for row in rows if row["path"] == name)
-            known = {} if k else {"label": "share of failures, 95 %"}
-            ax.errorbar([share], [k], xerr=[[share - low], [high - share]], fmt="o", color=COLOURS[0], capsize=3, **known)
-            ax.plot(risk, k, "D", color=COLOURS[3], **({} if k else {"label": "risk"}))
-        ax.set_yticks(range(2), list(FLIGHTS))
-        ax.set_ylim(-0.6, 1.6)
-        ax.set_xlim(0.0, 1.0)
-        ax.legend(frameon=False, fontsize=8, loc="upper left")
-        plain(ax, "risk of not finishing, and flights that did not")
-
-    return Figure("risk-tables", draw, (7.0, 2.6))
+    ax = figure.subplots()
+    for k, (name, (failed, flown)) in enumerate(FLIGHTS.items()):
+        low, high = _interval(failed, flown)
+        share, risk = failed / flown, next(row["risk"] for row in rows if row["path"] == name)
+        known = {} if k else {"label": "share of failures, 95 %"}
+        ax.errorbar([share], [k], xerr=[[share - low], [high - share]], fmt="o", color=COLOURS[0], capsize=3, **known)
+        ax.plot(risk, k, "D", color=COLOURS[3], **({} if k else {"label": "risk"}))
+    ax.set_yticks(range(2), list(FLIGHTS))
+    ax.set_ylim(-0.6, 1.6)
+    ax.set_xlim(0.0, 1.0)
+    ax.legend(frameon=False, fontsize=8, loc="upper left")
+    plain(ax, "risk of not finishing, and flights that did not")

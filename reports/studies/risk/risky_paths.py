@@ -1,7 +1,5 @@
 """Risky paths: look-back and two stages against what they state, on maps whose paths are all enumerated."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from ...ratios.guarantees import guarantee_study

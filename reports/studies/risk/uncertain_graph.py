@@ -73,7 +73,6 @@ def walked(setting: StudySetting, key: str, levels: Sequence[Any], draws: int, *
     claim="RAGS has the mean of A* with fewer outliers, greedy decays with the variance, and RAGS beats D* in all cases",
 )
 def uncertain_roadmaps(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     levels, draws = (VARIANCES, 100) if setting.full else (VARIANCES[-1:], 3)
     done = walked(setting, "variance", levels, draws)
     return reported("uncertain-roadmaps", uncertain_roadmaps.summary, done, "Fig. 5.5", setting, variance=levels[-1])
@@ -88,7 +87,6 @@ def uncertain_roadmaps(setting: StudySetting) -> Report:
     claim="the same trends as on random graphs, on graphs made of 64 aerial images",
 )
 def uncertain_rasters(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     scenes, draws = (SCENES, 25) if setting.full else (SCENES[-1:], 2)
     raster = {"roadmap": "raster-graph", "vertices": 150}
     done = walked(setting, "scene", scenes, draws, **raster)

@@ -1,7 +1,5 @@
 """Paths of uncertain cost: the least mean against its guarantee at a risk of 1/2, and without one at smaller risks, beside RAGS."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from ...ratios.guarantees import guarantee_study

@@ -1,7 +1,5 @@
 """The worked example of risk-aware graph search, Skeele (2016), section 5.5: five paths, and the risks of three choices."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -12,7 +10,7 @@ from ....solvers.engines.risk.non_dominated_paths import non_dominated_paths
 from ...plots.drawing import COLOURS, plain
 from ..findings import Finding
 from ..frames import frame_table
-from ..study import Figure, Report, StudySetting, broken, study
+from ..study import Report, StudySetting, broken, figure, study
 
 TOTALS = {"A": (150, 15), "B": (152, 10), "BC": (151, 12), "BCD": (153, 8), "BCDE": (154, 7)}
 """Table 5.2: mean and variance of the five paths by the vertices between start and goal."""
@@ -103,21 +101,16 @@ def _as_printed() -> float:
     return total
 
 
-def _figure() -> Figure:
+@figure("worked-example", 7.0, 3.8)
+def _figure(figure: Any) -> None:
     """Probability that the cheapest path of each side costs at most x."""
+    from scipy.stats import norm
 
-    def draw(figure: Any) -> None:
-        from scipy.stats import norm
-
-        ax, x = figure.subplots(), np.linspace(138.0, 164.0, 400)
-        for k, (name, (mean, variance)) in enumerate(TOTALS.items()):
-            ax.plot(
-                x, norm.cdf(x, mean, variance**0.5), color=COLOURS[k], linewidth=1.0, linestyle=(0, (4, 2)), label=f"S-{'-'.join(name)}-G"
-            )
-        others = [norm.sf(x, mean, variance**0.5) for name, (mean, variance) in TOTALS.items() if name != "A"]
-        ax.plot(x, 1.0 - np.prod(others, axis=0), color="#222222", linewidth=1.8, label="the cheapest by B")
-        ax.set_xlabel("cost", fontsize=9)
-        ax.legend(frameon=False, fontsize=8)
-        plain(ax, "probability to cost at most so much")
-
-    return Figure("worked-example", draw, (7.0, 3.8))
+    ax, x = figure.subplots(), np.linspace(138.0, 164.0, 400)
+    for k, (name, (mean, variance)) in enumerate(TOTALS.items()):
+        ax.plot(x, norm.cdf(x, mean, variance**0.5), color=COLOURS[k], linewidth=1.0, linestyle=(0, (4, 2)), label=f"S-{'-'.join(name)}-G")
+    others = [norm.sf(x, mean, variance**0.5) for name, (mean, variance) in TOTALS.items() if name != "A"]
+    ax.plot(x, 1.0 - np.prod(others, axis=0), color="#222222", linewidth=1.8, label="the cheapest by B")
+    ax.set_xlabel("cost", fontsize=9)
+    ax.legend(frameon=False, fontsize=8)
+    plain(ax, "probability to cost at most so much")

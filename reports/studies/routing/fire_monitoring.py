@@ -12,7 +12,7 @@ from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
 from ..frames import HALF, apart, film_of, frame_table, intervals, mean_interval, times_apart
 from ..processes import spread
-from ..study import Clip, Fault, Figure, Report, StudySetting, study, thinned
+from ..study import Clip, Fault, Report, StudySetting, figure, study, thinned
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -92,7 +92,6 @@ def optimum(seed: int, steps: int) -> dict[str, float]:
     claim="weighted greedy keeps J below that of circling the perimeter, for each threshold of intensity",
 )
 def fire_monitoring(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     import pandas as pd
 
     tasks = [(seed, setting.full) for seed in setting.seeds]
@@ -185,20 +184,17 @@ def findings(table: pd.DataFrame) -> list[Finding]:
     return found
 
 
-def curves(table: pd.DataFrame) -> Figure:
+@figure("fire-monitoring", 10.0, 3.6)
+def curves(figure: Any, table: pd.DataFrame) -> None:
     """J over time, mean and one standard error over fires, for each threshold: the counterpart of Figs. 3.4 to 3.6."""
-
-    def draw(figure: Any) -> None:
-        axes = figure.subplots(1, len(THRESHOLDS), sharey=True)
-        for ax, beta in zip(axes, THRESHOLDS, strict=True):
-            for colour, method in zip(COLOURS, PAIR, strict=False):
-                own = table[(table["kind"] == f"{beta:g}") & (table["method"] == method)]["curve"]
-                _band(ax, own.tolist(), colour, method)
-            ax.set_xlabel(f"step, beta {beta:g}", fontsize=9)
-            plain(ax, "J, steps" if beta == THRESHOLDS[0] else "")
-        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, frameon=False, fontsize=9)
-
-    return Figure("fire-monitoring", draw, (10.0, 3.6))
+    axes = figure.subplots(1, len(THRESHOLDS), sharey=True)
+    for ax, beta in zip(axes, THRESHOLDS, strict=True):
+        for colour, method in zip(COLOURS, PAIR, strict=False):
+            own = table[(table["kind"] == f"{beta:g}") & (table["method"] == method)]["curve"]
+            _band(ax, own.tolist(), colour, method)
+        ax.set_xlabel(f"step, beta {beta:g}", fontsize=9)
+        plain(ax, "J, steps" if beta == THRESHOLDS[0] else "")
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=2, frameon=False, fontsize=9)
 
 
 def _band(ax: Any, runs: Sequence[Sequence[float]], colour: str, label: str) -> None:

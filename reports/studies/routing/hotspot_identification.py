@@ -18,7 +18,7 @@ from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
 from ..frames import HALF, apart, film_of, frame_table, intervals, mean_interval, times_apart
 from ..processes import spread
-from ..study import Clip, Fault, Figure, Report, StudySetting, study, thinned
+from ..study import Clip, Fault, Report, StudySetting, figure, study, thinned
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -140,7 +140,6 @@ def against_hindsight(rows: list[dict[str, Any]], mission: HotspotIdentification
     claim="future variance is better than current, a window better than none, and all better than block UCL and boustrophedon",
 )
 def hotspot_identification(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     import pandas as pd
 
     done = spread(series, [(seed, setting.full) for seed in setting.seeds], setting.jobs, setting.told, lambda task: f"seed {task[0]}")
@@ -222,23 +221,20 @@ def findings(kinds: Mapping[str, pd.DataFrame]) -> list[Finding]:
     return [*found, Finding("Table 5.1: point, in the order of the table", ", ".join(filter(None, PRINTED)), ours, LOST, lost)]
 
 
-def figure_of(table: pd.DataFrame, budgets: pd.DataFrame) -> Figure:
+@figure("hotspot-identification", 11.0, 5.0)
+def figure_of(figure: Any, table: pd.DataFrame, budgets: pd.DataFrame) -> None:
     """Point of each method with its interval, and over the budget."""
-
-    def draw(figure: Any) -> None:
-        left, right = figure.subplots(1, 2, width_ratios=(2.2, 1.0))
-        for k, name in enumerate(METHODS):
-            mean, half = mean_interval(table[table["method"] == name]["point"])
-            colour = COLOURS[0 if name in BOUNDS else 1 if "flat" in name else 2 if "routes" in name else 3]
-            left.barh(-k, mean, 0.75, xerr=half, color=colour, capsize=2.0)
-        left.set_yticks([-k for k in range(len(METHODS))], list(METHODS), fontsize=8)
-        plain(left, "largest intensity found, %")
-        for budget, own in budgets.groupby("budget") if len(budgets) else ():
-            mean, half = mean_interval(own["point"])
-            right.errorbar(budget, mean, half, fmt="o", color=COLOURS[0], capsize=2.0)
-        right.set_xscale("log", base=2)
-        right.set_xticks(BUDGETS, [str(budget) for budget in BUDGETS])
-        right.set_xlabel("budget, future variance with a window", fontsize=9)
-        plain(right, "largest intensity found, %")
-
-    return Figure("hotspot-identification", draw, (11.0, 5.0))
+    left, right = figure.subplots(1, 2, width_ratios=(2.2, 1.0))
+    for k, name in enumerate(METHODS):
+        mean, half = mean_interval(table[table["method"] == name]["point"])
+        colour = COLOURS[0 if name in BOUNDS else 1 if "flat" in name else 2 if "routes" in name else 3]
+        left.barh(-k, mean, 0.75, xerr=half, color=colour, capsize=2.0)
+    left.set_yticks([-k for k in range(len(METHODS))], list(METHODS), fontsize=8)
+    plain(left, "largest intensity found, %")
+    for budget, own in budgets.groupby("budget") if len(budgets) else ():
+        mean, half = mean_interval(own["point"])
+        right.errorbar(budget, mean, half, fmt="o", color=COLOURS[0], capsize=2.0)
+    right.set_xscale("log", base=2)
+    right.set_xticks(BUDGETS, [str(budget) for budget in BUDGETS])
+    right.set_xlabel("budget, future variance with a window", fontsize=9)
+    plain(right, "largest intensity found, %")

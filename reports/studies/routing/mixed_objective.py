@@ -1,7 +1,5 @@
 """Reward and makespan in one sum, after Mitchell (2020), section 5.5.4: how often the printed weight gives up reward for makespan."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -17,7 +15,7 @@ from ...plots.drawing import COLOURS, plain
 from ..findings import Finding
 from ..frames import frame_table
 from ..processes import spread
-from ..study import Figure, Report, StudySetting, broken, study
+from ..study import Report, StudySetting, broken, figure, study
 
 SITES, SIDE, LIMIT = 5, 10.0, 18.0
 """Waypoints, side of the square whose corner is the depot, and the limit of the route."""
@@ -67,7 +65,6 @@ def drawn(seed: int, kind: str) -> list[dict[str, Any]]:
     claim="with the weight min r_i zeta / B_max the makespan never decides over reward",
 )
 def mixed_objective(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     tasks = [(seed, kind) for seed in setting.seeds for kind in KINDS]
     done = spread(drawn, tasks, setting.jobs, setting.told, lambda task: f"instance {task[0]}, rewards {task[1]}")
     example = both([(0.0, 0.0), (5.0, 0.0), (-0.5, 0.0)], [0.0, 10.0, 9.0], 10.0)
@@ -96,17 +93,14 @@ def mixed_objective(setting: StudySetting) -> Report:
     )  # fmt: skip
 
 
-def _figure(observations: list[dict[str, Any]]) -> Figure:
+@figure("mixed-objective", 7.0, 3.4)
+def _figure(figure: Any, observations: list[dict[str, Any]]) -> None:
     """Reward and makespan given up by each optimum of the sum."""
-
-    def draw(figure: Any) -> None:
-        ax = figure.subplots()
-        for k, kind in enumerate(KINDS):
-            own = [row for row in observations if row["rewards"] == kind]
-            x, y = ([row[key] - row[f"printed_{key}"] for row in own] for key in ("makespan", "reward"))
-            ax.plot(x, y, "os"[k], color=COLOURS[k], alpha=0.6, markersize=4, label=f"rewards {kind}")
-        ax.set_xlabel("makespan saved", fontsize=9)
-        ax.legend(frameon=False, fontsize=8)
-        plain(ax, "reward given up by the sum")
-
-    return Figure("mixed-objective", draw, (7.0, 3.4))
+    ax = figure.subplots()
+    for k, kind in enumerate(KINDS):
+        own = [row for row in observations if row["rewards"] == kind]
+        x, y = ([row[key] - row[f"printed_{key}"] for row in own] for key in ("makespan", "reward"))
+        ax.plot(x, y, "os"[k], color=COLOURS[k], alpha=0.6, markersize=4, label=f"rewards {kind}")
+    ax.set_xlabel("makespan saved", fontsize=9)
+    ax.legend(frameon=False, fontsize=8)
+    plain(ax, "reward given up by the sum")

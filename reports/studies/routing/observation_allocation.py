@@ -1,7 +1,5 @@
 """Allocation of observations to cells after Mitchell (2020), chapter 4: which cells to look at where travel and occlusion do not count."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +12,7 @@ from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
 from ..frames import apart, frame_table, intervals, mean_interval
 from ..processes import spread
-from ..study import Figure, Report, StudySetting, study
+from ..study import Report, StudySetting, figure, study
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -104,7 +102,6 @@ def task(seed: int, steps: int, names: Sequence[str]) -> list[dict[str, Any]]:
     claim="information and misfit together respond faster, with less entropy and divergence, than random allocation or either alone",
 )
 def observation_allocation(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     import pandas as pd
 
     steps = 1000 if setting.full else 500
@@ -143,7 +140,7 @@ CLAIMS: tuple[tuple[str, str, str, str, str, int, str], ...] = (
 )  # fmt: skip
 
 
-def findings(table: pd.DataFrame, names: Sequence[str]) -> list[Finding]:
+def findings(table: "pd.DataFrame", names: Sequence[str]) -> list[Finding]:
     """Claims by pairs of the same seeds, and the printed responses of random allocation."""
     found = [Finding("Table 4.1: entropy and divergence", "130 to 690 bits", "see the table", LOST, UNTOLD)]
     for name, printed in PRINTED.items() if "random, 100" in names else ():
@@ -160,17 +157,14 @@ def findings(table: pd.DataFrame, names: Sequence[str]) -> list[Finding]:
     return found
 
 
-def allocation_figure(table: pd.DataFrame, names: Sequence[str]) -> Figure:
+@figure("observation-allocation", 11.0, 3.6)
+def allocation_figure(figure: Any, table: "pd.DataFrame", names: Sequence[str]) -> None:
     """Measures of the four objectives by the number of looks, with intervals."""
-
-    def draw(figure: Any) -> None:
-        for ax, key in zip(figure.subplots(1, len(MEASURES)), MEASURES, strict=True):
-            for colour, objective in zip(COLOURS, OBJECTIVES, strict=False):
-                levels = [looks for looks in (100, 150, 200) if f"{objective}, {looks}" in names]
-                shown = [mean_interval(table[table["method"] == f"{objective}, {looks}"][key]) for looks in levels]
-                ax.errorbar(levels, [m for m, _ in shown], [h for _, h in shown], color=colour, marker="o", markersize=3, label=objective)
-            ax.set_xlabel("looks a step", fontsize=9)
-            plain(ax, key)
-        figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False, fontsize=9)
-
-    return Figure("observation-allocation", draw, (11.0, 3.6))
+    for ax, key in zip(figure.subplots(1, len(MEASURES)), MEASURES, strict=True):
+        for colour, objective in zip(COLOURS, OBJECTIVES, strict=False):
+            levels = [looks for looks in (100, 150, 200) if f"{objective}, {looks}" in names]
+            shown = [mean_interval(table[table["method"] == f"{objective}, {looks}"][key]) for looks in levels]
+            ax.errorbar(levels, [m for m, _ in shown], [h for _, h in shown], color=colour, marker="o", markersize=3, label=objective)
+        ax.set_xlabel("looks a step", fontsize=9)
+        plain(ax, key)
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False, fontsize=9)

@@ -1,7 +1,5 @@
 """Theorems on exploring plumes, after Sung (2019), chapter 4: their formulas, and shapes on which some of them fail."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from itertools import pairwise
@@ -14,7 +12,7 @@ from ...missions.routing.plume_exploration import PlumeExploration, lawn_mower
 from ...plots.drawing import COLOURS, bare, plain
 from ..findings import NOT, Finding
 from ..frames import frame_table
-from ..study import Fault, Figure, Report, StudySetting, study
+from ..study import Fault, Report, StudySetting, figure, study
 
 SERPENTINES = ((9, 4), (15, 2), (21, 4), (41, 8))
 """Width, and robots."""
@@ -126,7 +124,6 @@ def staircase(steps: int) -> list[Cell]:
     claim="depth-first exploration by R robots takes O(R / log R) times the shortest exploration",
 )
 def plume_bounds(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     rows = [counterexample(*one) for one in SERPENTINES]
     faults = tuple(Fault("bound", f"{row} exceeds the proved ratio") for row in rows if row["ratio"] > row["proved_ratio"])
     return Report(
@@ -170,37 +167,31 @@ def findings(rows: Sequence[dict[str, Any]]) -> list[Finding]:
     ]  # fmt: skip
 
 
-def serpentine_figure(width: int, robots: int) -> Figure:
+@figure("plume-serpentine", 6.4, 5.4)
+def serpentine_figure(figure: Any, width: int, robots: int) -> None:
     """The cells of a serpentine, and straight tours of pieces of it."""
-
-    def draw(figure: Any) -> None:
-        ax, path = figure.subplots(), serpentine(width)
-        ax.scatter(*np.array(path).T, marker="s", s=120, color="#DDDDDD")
-        for k, piece in enumerate(straight_tours(path, robots)):
-            tour = np.array([path[0], *path[piece[0] : piece[1] + 1], path[0]])
-            ax.plot(*tour.T, color=COLOURS[k % len(COLOURS)], linewidth=1.6, label=f"robot {k + 1}: {tour_time(path, piece):.1f}")
-        bare(ax)
-        ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=9)
-        together = 2 * (len(path) - 1)
-        ax.set_title(f"{len(path)} cells, {robots} robots: depth first takes {together}, straight tours", loc="left", fontsize=10)
-
-    return Figure("plume-serpentine", draw, (6.4, 5.4))
+    ax, path = figure.subplots(), serpentine(width)
+    ax.scatter(*np.array(path).T, marker="s", s=120, color="#DDDDDD")
+    for k, piece in enumerate(straight_tours(path, robots)):
+        tour = np.array([path[0], *path[piece[0] : piece[1] + 1], path[0]])
+        ax.plot(*tour.T, color=COLOURS[k % len(COLOURS)], linewidth=1.6, label=f"robot {k + 1}: {tour_time(path, piece):.1f}")
+    bare(ax)
+    ax.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), frameon=False, fontsize=9)
+    together = 2 * (len(path) - 1)
+    ax.set_title(f"{len(path)} cells, {robots} robots: depth first takes {together}, straight tours", loc="left", fontsize=10)
 
 
-def ratio_figure(robots: int = 4) -> Figure:
+@figure("plume-ratio", 6.4, 4.0)
+def ratio_figure(figure: Any, robots: int = 4) -> None:
     """Depth first against straight tours on growing serpentines, beside what is claimed and what is proved."""
-
-    def draw(figure: Any) -> None:
-        ax = figure.subplots()
-        rows = [counterexample(width, robots) for width in range(3, 42, 2)]
-        cells = [row["cells"] for row in rows]
-        ax.plot(cells, [row["ratio"] for row in rows], color=COLOURS[0], marker="o", markersize=3, label="depth first / straight tours")
-        claimed = [row["claimed_at_most"] / row["straight_tours"] for row in rows]
-        ax.plot(cells, claimed, color=COLOURS[3], linestyle="--", label="theorem 4")
-        ax.plot(cells, [row["proved_ratio"] for row in rows], color=COLOURS[8], linestyle=":", label="2R, proved")
-        ax.set_xscale("log")
-        ax.set_xlabel(f"cells of the serpentine, {robots} robots", fontsize=9)
-        ax.legend(frameon=False, fontsize=9)
-        plain(ax, "times the shortest exploration")
-
-    return Figure("plume-ratio", draw, (6.4, 4.0))
+    ax = figure.subplots()
+    rows = [counterexample(width, robots) for width in range(3, 42, 2)]
+    cells = [row["cells"] for row in rows]
+    ax.plot(cells, [row["ratio"] for row in rows], color=COLOURS[0], marker="o", markersize=3, label="depth first / straight tours")
+    claimed = [row["claimed_at_most"] / row["straight_tours"] for row in rows]
+    ax.plot(cells, claimed, color=COLOURS[3], linestyle="--", label="theorem 4")
+    ax.plot(cells, [row["proved_ratio"] for row in rows], color=COLOURS[8], linestyle=":", label="2R, proved")
+    ax.set_xscale("log")
+    ax.set_xlabel(f"cells of the serpentine, {robots} robots", fontsize=9)
+    ax.legend(frameon=False, fontsize=9)
+    plain(ax, "times the shortest exploration")

@@ -14,7 +14,7 @@ from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
 from ..frames import HALF, apart, film_of, frame_table, intervals, mean_interval, times_apart
 from ..processes import called, spread
-from ..study import Clip, Fault, Figure, Report, StudySetting, study, thinned
+from ..study import Clip, Fault, Report, StudySetting, figure, study, thinned
 from .plume_bounds import longest_time, proved_ratio, shortest_time
 
 if TYPE_CHECKING:
@@ -96,7 +96,6 @@ def looped(seed: int) -> list[dict[str, Any]]:
     claim="times stay well below the upper bound, grow with the plume and fall with robots and speed; a competitive ratio O(R / log R)",
 )
 def plume_exploration(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     import pandas as pd
 
     levels = [(key, level) for key, own in SWEEPS.items() for level in own[:: 1 if setting.full else 2]]
@@ -179,20 +178,17 @@ def findings(sweeps: pd.DataFrame) -> list[Finding]:
     return found
 
 
-def sweeps_figure(sweeps: pd.DataFrame) -> Figure:
+@figure("plume-exploration", 11.0, 4.0)
+def sweeps_figure(figure: Any, sweeps: pd.DataFrame) -> None:
     """Times (mean, least and largest) and bounds over each sweep."""
-
-    def draw(figure: Any) -> None:
-        axes = figure.subplots(1, len(SWEEPS))
-        for ax, key in zip(axes, SWEEPS, strict=True):
-            own = sweeps[sweeps["sweep"] == key].groupby("level")
-            mean = own.mean(numeric_only=True)
-            ax.fill_between(mean.index, own["time"].min(), own["time"].max(), color=COLOURS[0], alpha=0.15, linewidth=0)
-            for name, colour, label in zip(("time", "longest", "shortest", "lawn_mower"), COLOURS, LABELS, strict=False):
-                ax.plot(mean.index, mean[name], color=colour, marker="o", markersize=3, label=label)
-            ax.set_yscale("log")
-            ax.set_xlabel(key, fontsize=9)
-            plain(ax, "time" if key == "cells" else "")
-        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False, fontsize=9)
-
-    return Figure("plume-exploration", draw, (11.0, 4.0))
+    axes = figure.subplots(1, len(SWEEPS))
+    for ax, key in zip(axes, SWEEPS, strict=True):
+        own = sweeps[sweeps["sweep"] == key].groupby("level")
+        mean = own.mean(numeric_only=True)
+        ax.fill_between(mean.index, own["time"].min(), own["time"].max(), color=COLOURS[0], alpha=0.15, linewidth=0)
+        for name, colour, label in zip(("time", "longest", "shortest", "lawn_mower"), COLOURS, LABELS, strict=False):
+            ax.plot(mean.index, mean[name], color=colour, marker="o", markersize=3, label=label)
+        ax.set_yscale("log")
+        ax.set_xlabel(key, fontsize=9)
+        plain(ax, "time" if key == "cells" else "")
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False, fontsize=9)

@@ -1,7 +1,5 @@
 """Ratios of Christofides, iterated tour partitioning, optimal split and tour splitting, and of heuristics that state none."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from fractions import Fraction

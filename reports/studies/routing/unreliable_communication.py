@@ -15,7 +15,7 @@ from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
 from ..frames import HALF, apart, film_of, frame_table, intervals, mean_interval, times_apart
 from ..processes import called, spread
-from ..study import Clip, Fault, Figure, Report, StudySetting, study, thinned
+from ..study import Clip, Fault, Report, StudySetting, figure, study, thinned
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -105,7 +105,6 @@ def looped(seed: int) -> list[dict[str, Any]]:
     claim="the roles bring 5 to 18 % more of the map to the base, never less; more so with more robots",
 )
 def unreliable_communication(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     import pandas as pd
 
     points = [(floor, *point) for floor in FLOORS for point in (POINTS if setting.full else POINTS[:3:2])]
@@ -202,22 +201,19 @@ def findings(sweeps: pd.DataFrame) -> list[Finding]:
     return found
 
 
-def gains_figure(rows: Sequence[dict[str, Any]]) -> Figure:
+@figure("unreliable-communication", 11.0, 3.8)
+def gains_figure(figure: Any, rows: Sequence[dict[str, Any]]) -> None:
     """Gains over robots without roles, by robots and by battery, on both floors."""
-
-    def draw(figure: Any) -> None:
-        panels = [(floor, key) for floor in FLOORS for key in ("robots", "battery")]
-        for ax, (floor, key) in zip(figure.subplots(1, len(panels), sharey=True), panels, strict=True):
-            fixed, level = ("battery", 120) if key == "robots" else ("robots", 4)
-            for method, colour in zip(LABELS, COLOURS, strict=False):
-                own = [row for row in rows if (row["floor"], row["method"], row[fixed]) == (floor, method, level)]
-                at, gain, half = np.array(sorted((row[key], row["gain"], row[f"gain{HALF}"]) for row in own), dtype=float).reshape(-1, 3).T
-                ax.plot(at, gain, color=colour, marker="o", markersize=3, label=method)
-                ax.fill_between(at, gain - half, gain + half, color=colour, alpha=0.15, linewidth=0)
-            ax.axhline(0.0, color="#999999", linewidth=0.8)
-            ax.set_title(floor, fontsize=9, loc="right")
-            ax.set_xlabel(key, fontsize=9)
-            plain(ax, "gain, points" if (floor, key) == panels[0] else "")
-        figure.legend(*ax.get_legend_handles_labels(), loc="outside lower center", ncols=5, frameon=False, fontsize=9)
-
-    return Figure("unreliable-communication", draw, (11.0, 3.8))
+    panels = [(floor, key) for floor in FLOORS for key in ("robots", "battery")]
+    for ax, (floor, key) in zip(figure.subplots(1, len(panels), sharey=True), panels, strict=True):
+        fixed, level = ("battery", 120) if key == "robots" else ("robots", 4)
+        for method, colour in zip(LABELS, COLOURS, strict=False):
+            own = [row for row in rows if (row["floor"], row["method"], row[fixed]) == (floor, method, level)]
+            at, gain, half = np.array(sorted((row[key], row["gain"], row[f"gain{HALF}"]) for row in own), dtype=float).reshape(-1, 3).T
+            ax.plot(at, gain, color=colour, marker="o", markersize=3, label=method)
+            ax.fill_between(at, gain - half, gain + half, color=colour, alpha=0.15, linewidth=0)
+        ax.axhline(0.0, color="#999999", linewidth=0.8)
+        ax.set_title(floor, fontsize=9, loc="right")
+        ax.set_xlabel(key, fontsize=9)
+        plain(ax, "gain, points" if (floor, key) == panels[0] else "")
+    figure.legend(*ax.get_legend_handles_labels(), loc="outside lower center", ncols=5, frameon=False, fontsize=9)

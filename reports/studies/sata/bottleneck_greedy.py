@@ -1,7 +1,5 @@
 """Greedy on the bottleneck problem, after Sung (2019), appendix A.3: the printed counterexample, and some that are."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from ....formulations.sata.bottleneck_sata import BottleneckSATA
@@ -10,7 +8,7 @@ from ...plots.drawing import COLOURS, plain
 from ...ratios.judged_runs import run_heuristic
 from ..findings import Finding
 from ..frames import frame_table
-from ..study import Figure, Report, StudySetting, study
+from ..study import Report, StudySetting, figure, study
 from .experiments import solved
 from .families.max_min import robots
 
@@ -59,15 +57,12 @@ def bottleneck_greedy(setting: StudySetting) -> Report:
     )  # fmt: skip
 
 
-def _figure(rows: list[dict[str, Any]]) -> Figure:
+@figure("bottleneck-greedy", 6.0, 3.0)
+def _figure(figure: Any, rows: list[dict[str, Any]]) -> None:
     """Optimum and greedy on the corrected instances."""
-
-    def draw(figure: Any) -> None:
-        ax = figure.subplots()
-        for k, key in enumerate(("optimum", "greedy")):
-            ax.plot([row["instance"] for row in rows], [row[key] for row in rows], "os"[k] + "-", color=COLOURS[2 * k], label=key)
-        ax.set_yscale("log")
-        ax.legend(frameon=False, fontsize=8)
-        plain(ax, "coverage of the worst target")
-
-    return Figure("bottleneck-greedy", draw, (6.0, 3.0))
+    ax = figure.subplots()
+    for k, key in enumerate(("optimum", "greedy")):
+        ax.plot([row["instance"] for row in rows], [row[key] for row in rows], "os"[k] + "-", color=COLOURS[2 * k], label=key)
+    ax.set_yscale("log")
+    ax.legend(frameon=False, fontsize=8)
+    plain(ax, "coverage of the worst target")

@@ -1,7 +1,5 @@
 """Rounds of communication of greedy and of the local algorithm, after Sung (2019), sections 3.4 and 3.5."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from ....formulations.sata.bottleneck_sata import BottleneckSATA
@@ -11,7 +9,7 @@ from ...ratios.judged_runs import run_heuristic
 from ..findings import Finding
 from ..frames import frame_table, mean_interval
 from ..processes import spread
-from ..study import Figure, Report, StudySetting, study
+from ..study import Report, StudySetting, figure, study
 from .experiments import sensing_graph
 
 TEAMS, HEIGHTS = (4, 8, 12, 16, 20), (1, 2, 5)
@@ -37,7 +35,6 @@ def rounds(seed: int, robots: int) -> list[dict[str, Any]]:
     claim="greedy takes as many rounds as there are robots, the local algorithm O(h log 1/eps) whatever their number",
 )
 def communication_rounds(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     teams = TEAMS if setting.full else TEAMS[:2]
     tasks = [(seed, robots) for seed in setting.seeds for robots in teams]
     done = spread(rounds, tasks, setting.jobs, setting.told, lambda task: f"{task[1]} robots, graph {task[0]}")
@@ -63,16 +60,13 @@ def communication_rounds(setting: StudySetting) -> Report:
     )  # fmt: skip
 
 
-def _figure(rows: list[dict[str, Any]]) -> Figure:
+@figure("communication-rounds", 6.5, 3.2)
+def _figure(figure: Any, rows: list[dict[str, Any]]) -> None:
     """Rounds over the number of robots."""
-
-    def draw(figure: Any) -> None:
-        ax = figure.subplots()
-        for k, key in enumerate(("greedy", *(f"local, h = {h}" for h in HEIGHTS))):
-            ax.plot([row["robots"] for row in rows], [row[key] for row in rows], "o-", color=COLOURS[k], label=key)
-        ax.set_xlabel("robots", fontsize=9)
-        ax.set_ylim(bottom=0)
-        ax.legend(frameon=False, fontsize=8)
-        plain(ax, "rounds")
-
-    return Figure("communication-rounds", draw, (6.5, 3.2))
+    ax = figure.subplots()
+    for k, key in enumerate(("greedy", *(f"local, h = {h}" for h in HEIGHTS))):
+        ax.plot([row["robots"] for row in rows], [row[key] for row in rows], "o-", color=COLOURS[k], label=key)
+    ax.set_xlabel("robots", fontsize=9)
+    ax.set_ylim(bottom=0)
+    ax.legend(frameon=False, fontsize=8)
+    plain(ax, "rounds")

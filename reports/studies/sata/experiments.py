@@ -3,8 +3,6 @@
 Optimum, rounding, greedy, local algorithm and random choice, after Sung (2019), figures 3.6 to 3.8.
 """
 
-from __future__ import annotations
-
 import math
 import zlib
 from collections.abc import Callable, Mapping, Sequence
@@ -96,7 +94,7 @@ def experiment(name: str, summary: str, trials: int, source: str, claim: str, pl
 
 
 def run_experiment(name: str, summary: str, plan: ExperimentPlan, setting: StudySetting) -> Report:
-    """See ``Study.run``."""
+    """Play all points of a plan, and report them."""
     tasks = [
         (name, sweep, point, first, min(CHUNK, setting.instances - first), setting.seed)
         for sweep, one in enumerate(plan.sweeps)

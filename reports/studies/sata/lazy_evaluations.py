@@ -1,7 +1,5 @@
 """Evaluations of lazy greedy beside plain greedy on coverage, after Mitchell (2020), section 5.3 and Algorithm 5."""
 
-from __future__ import annotations
-
 from typing import Any
 
 import numpy as np
@@ -14,7 +12,7 @@ from ...ratios.judged_runs import run_heuristic
 from ..findings import Finding
 from ..frames import HALF, frame_table, mean_interval
 from ..processes import spread
-from ..study import Figure, Report, StudySetting, broken, study
+from ..study import Report, StudySetting, broken, figure, study
 
 SIZES, PICKS, ITEMS, SEEN = (50, 100, 200, 400), 12, 300, 20
 """Candidate views, views taken, cells of the map, and cells that a view sees."""
@@ -41,7 +39,6 @@ def views(seed: int, count: int) -> list[dict[str, Any]]:
     claim="lazy greedy takes the same waypoints with far fewer evaluations",
 )
 def lazy_evaluations(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     tasks = [(seed, count) for seed in setting.seeds for count in SIZES]
     done = spread(views, tasks, setting.jobs, setting.told, lambda task: f"map {task[0]}, {task[1]} views")
     rows = []
@@ -65,16 +62,13 @@ def lazy_evaluations(setting: StudySetting) -> Report:
     )  # fmt: skip
 
 
-def _figure(rows: list[dict[str, Any]]) -> Figure:
+@figure("lazy-evaluations", 6.5, 3.2)
+def _figure(figure: Any, rows: list[dict[str, Any]]) -> None:
     """Evaluations of both over the number of candidates."""
-
-    def draw(figure: Any) -> None:
-        ax = figure.subplots()
-        for k, key in enumerate(("plain", "lazy")):
-            ax.plot([row["candidates"] for row in rows], [row[key] for row in rows], "o-", color=COLOURS[k], label=key)
-        ax.set_xlabel("candidate views", fontsize=9)
-        ax.set_yscale("log")
-        ax.legend(frameon=False, fontsize=8)
-        plain(ax, "evaluations")
-
-    return Figure("lazy-evaluations", draw, (6.5, 3.2))
+    ax = figure.subplots()
+    for k, key in enumerate(("plain", "lazy")):
+        ax.plot([row["candidates"] for row in rows], [row[key] for row in rows], "o-", color=COLOURS[k], label=key)
+    ax.set_xlabel("candidate views", fontsize=9)
+    ax.set_yscale("log")
+    ax.legend(frameon=False, fontsize=8)
+    plain(ax, "evaluations")

@@ -1,7 +1,5 @@
 """The local algorithm for max-min LPs: heights, searches and smoothings against Delta_R (1 + eps) (1 + 1/h) (1 - 1/Delta_T)."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace

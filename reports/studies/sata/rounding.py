@@ -1,7 +1,5 @@
 """Whole actions by rounding: no ratio is known, and each is to be the largest share of its robot."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from typing import Any
 

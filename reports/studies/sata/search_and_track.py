@@ -17,7 +17,7 @@ from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
 from ..frames import apart, film_of, frame_table, intervals, mean_interval, times_apart
 from ..processes import spread
-from ..study import Clip, Figure, Report, StudySetting, study
+from ..study import Clip, Report, StudySetting, figure, study
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -107,7 +107,6 @@ def flown(seed: int, steps: int, robot_step: float) -> list[dict[str, Any]]:
     claim="repulsion at the border of the field of view avoids false negatives; the largest Gaussian finds fewer targets than a lawn mower",
 )
 def search_and_track(setting: StudySetting) -> Report:
-    """See ``Study.run``."""
     import pandas as pd
 
     steps, robot_step = (7278, 0.5) if setting.full else (600, 2.0)
@@ -178,17 +177,14 @@ def findings(flights: pd.DataFrame, loops: pd.DataFrame) -> list[Finding]:
     return found
 
 
-def loop_figure(loops: pd.DataFrame) -> Figure:
+@figure("search-and-track", 11.0, 3.6)
+def loop_figure(figure: Any, loops: pd.DataFrame) -> None:
     """OSPA, targets found and largest covariance of each way to decide, with intervals; what plans lose in the last panel."""
-
-    def draw(figure: Any) -> None:
-        panels = {"ospa": "OSPA, m", "found": "targets found", "variance": "largest trace, m2", "lost": "plans below the optimum, %"}
-        for ax, (key, title) in zip(figure.subplots(1, len(panels)), panels.items(), strict=True):
-            for k, name in enumerate(LOOPS):
-                mean, half = mean_interval(loops[loops["method"] == name][key].dropna())
-                ax.bar(k, mean, 0.8, yerr=half, color=COLOURS[k], label=name, capsize=2.0)
-            ax.set_xticks([])
-            plain(ax, title)
-        figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False, fontsize=9)
-
-    return Figure("search-and-track", draw, (11.0, 3.6))
+    panels = {"ospa": "OSPA, m", "found": "targets found", "variance": "largest trace, m2", "lost": "plans below the optimum, %"}
+    for ax, (key, title) in zip(figure.subplots(1, len(panels)), panels.items(), strict=True):
+        for k, name in enumerate(LOOPS):
+            mean, half = mean_interval(loops[loops["method"] == name][key].dropna())
+            ax.bar(k, mean, 0.8, yerr=half, color=COLOURS[k], label=name, capsize=2.0)
+        ax.set_xticks([])
+        plain(ax, title)
+    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False, fontsize=9)

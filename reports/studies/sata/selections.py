@@ -1,7 +1,5 @@
 """Methods for selections against the ratios that are stated for them, on random problems and on those where greed does worst."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from typing import Any

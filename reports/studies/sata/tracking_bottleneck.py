@@ -1,7 +1,5 @@
 """Tracking by the bottleneck: the local algorithm beside the optimum, after Sung (2019), section 3.5.3."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 
@@ -11,7 +9,7 @@ from ...plots.drawing import plain
 from ..findings import LOST, Finding
 from ..frames import HALF, by_method, frame_table, mean_interval, play
 from ..processes import spread
-from ..study import Figure, Report, StudySetting, study
+from ..study import Report, StudySetting, figure, study
 
 BOTTLENECK: dict[str, dict[str, Any]] = {
     "exact": {"solver": "highs", "problem": "bottleneck"},
@@ -78,22 +76,19 @@ def bottleneck_rows(logs: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     return rows
 
 
-def bottleneck_figure(rows: Sequence[dict[str, Any]]) -> Figure:
+@figure("tracking-bottleneck", 9.0, 3.6)
+def bottleneck_figure(figure: Any, rows: Sequence[dict[str, Any]]) -> None:
     """Share of the candidates that stay covered, and targets observed, by method."""
-
-    def draw(figure: Any) -> None:
-        axes = figure.subplots(1, 2)
-        known = [row for row in rows if "share_actual" in row]
-        at, colours = np.arange(len(known)), [COLOURS[row["method"]] for row in known]
-        axes[0].bar(at - 0.2, [row["share_estimated"] for row in known], 0.38, color=colours, alpha=0.45)
-        axes[0].bar(at + 0.2, [row["share_actual"] for row in known], 0.38, color=colours)
-        axes[0].set_xticks(at, [row["method"] for row in known], fontsize=8)
-        axes[0].set_ylim(0, 1.05)
-        plain(axes[0], "share of candidates covered: estimated (pale), actual")
-        halves = [row[f"observed{HALF}"] for row in rows]
-        means, colours = [row["observed"] for row in rows], [COLOURS[row["method"]] for row in rows]
-        axes[1].bar(range(len(rows)), means, 0.7, yerr=halves, color=colours, **_ERRORS)
-        axes[1].set_xticks(range(len(rows)), [row["method"] for row in rows], fontsize=8)
-        plain(axes[1], "targets observed: time average")
-
-    return Figure("tracking-bottleneck", draw, (9.0, 3.6))
+    axes = figure.subplots(1, 2)
+    known = [row for row in rows if "share_actual" in row]
+    at, colours = np.arange(len(known)), [COLOURS[row["method"]] for row in known]
+    axes[0].bar(at - 0.2, [row["share_estimated"] for row in known], 0.38, color=colours, alpha=0.45)
+    axes[0].bar(at + 0.2, [row["share_actual"] for row in known], 0.38, color=colours)
+    axes[0].set_xticks(at, [row["method"] for row in known], fontsize=8)
+    axes[0].set_ylim(0, 1.05)
+    plain(axes[0], "share of candidates covered: estimated (pale), actual")
+    halves = [row[f"observed{HALF}"] for row in rows]
+    means, colours = [row["observed"] for row in rows], [COLOURS[row["method"]] for row in rows]
+    axes[1].bar(range(len(rows)), means, 0.7, yerr=halves, color=colours, **_ERRORS)
+    axes[1].set_xticks(range(len(rows)), [row["method"] for row in rows], fontsize=8)
+    plain(axes[1], "targets observed: time average")

@@ -1,7 +1,5 @@
 """Tracking: greedy against the force vectors of Parker, after Sung (2019), section 3.5.4."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Sequence
 from typing import Any
@@ -12,7 +10,7 @@ from ...plots.drawing import plain
 from ..findings import LOST, Finding
 from ..frames import HALF, apart, frame_table, mean_interval, play
 from ..processes import spread
-from ..study import Figure, Report, StudySetting, study
+from ..study import Report, StudySetting, figure, study
 
 PARKER: dict[str, dict[str, Any]] = {
     "greedy": {"heuristic": "sequential-greedy"},
@@ -110,23 +108,20 @@ def force_vector_findings(rows: Sequence[dict[str, Any]]) -> list[Finding]:
     return findings
 
 
-def force_vectors_figure(rows: Sequence[dict[str, Any]]) -> Figure:
+@figure("tracking-force-vectors", 9.5, 3.8)
+def force_vectors_figure(figure: Any, rows: Sequence[dict[str, Any]]) -> None:
     """Targets observed by each method, for each number of targets, with intervals."""
-
-    def draw(figure: Any) -> None:
-        axes = figure.subplots(1, 2, sharey=True)
-        methods, counts = list(dict.fromkeys(r["method"] for r in rows)), sorted({r["targets"] for r in rows})
-        width = 0.8 / len(methods)
-        for ax, key, title in zip(axes, ("single", "average"), ("single steps", "time averages of long runs"), strict=True):
-            for k, method in enumerate(methods):
-                own = {r["targets"]: r for r in rows if r["method"] == method}
-                at = np.arange(len(counts)) + (k - (len(methods) - 1) / 2) * width
-                means, halves = ([own[count][name] for count in counts] for name in (key, key + HALF))
-                ax.bar(at, means, width * 0.92, yerr=halves, color=COLOURS[method], label=method, **_ERRORS)
-            ax.set_xticks(range(len(counts)), [str(count) for count in counts])
-            ax.set_xlabel("targets", fontsize=9)
-            plain(ax, title)
-        axes[0].set_ylabel("targets observed, with intervals", fontsize=9)
-        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=len(methods), frameon=False, fontsize=9)
-
-    return Figure("tracking-force-vectors", draw, (9.5, 3.8))
+    axes = figure.subplots(1, 2, sharey=True)
+    methods, counts = list(dict.fromkeys(r["method"] for r in rows)), sorted({r["targets"] for r in rows})
+    width = 0.8 / len(methods)
+    for ax, key, title in zip(axes, ("single", "average"), ("single steps", "time averages of long runs"), strict=True):
+        for k, method in enumerate(methods):
+            own = {r["targets"]: r for r in rows if r["method"] == method}
+            at = np.arange(len(counts)) + (k - (len(methods) - 1) / 2) * width
+            means, halves = ([own[count][name] for count in counts] for name in (key, key + HALF))
+            ax.bar(at, means, width * 0.92, yerr=halves, color=COLOURS[method], label=method, **_ERRORS)
+        ax.set_xticks(range(len(counts)), [str(count) for count in counts])
+        ax.set_xlabel("targets", fontsize=9)
+        plain(ax, title)
+    axes[0].set_ylabel("targets observed, with intervals", fontsize=9)
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=len(methods), frameon=False, fontsize=9)

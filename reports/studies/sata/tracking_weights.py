@@ -1,7 +1,5 @@
 """Tracking: what greedy expects of binary and of inverse-distance weights, after Sung (2019), section 3.5.3."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +9,7 @@ from ...plots.drawing import plain
 from ..findings import LOST, Finding
 from ..frames import HALF, by_method, frame_table, mean_interval, play
 from ..processes import spread
-from ..study import Figure, Report, StudySetting, study
+from ..study import Report, StudySetting, figure, study
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -68,7 +66,7 @@ def weight_rows(logs: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     return rows
 
 
-def _errors(log: pd.DataFrame, what: str) -> pd.Series[float]:
+def _errors(log: "pd.DataFrame", what: str) -> "pd.Series[float]":
     """Mean relative error of each run, over steps with an actual value."""
     actual = log[f"actual_{what}"]
     return ((log[f"estimated_{what}"] - actual).abs() / actual.where(actual > 0)).groupby(log["seed"]).mean()
@@ -89,21 +87,18 @@ def weight_findings(rows: Sequence[dict[str, Any]], logs: Sequence[dict[str, Any
     return findings
 
 
-def weights_figure(logs: Sequence[dict[str, Any]]) -> Figure:
+@figure("tracking-weights", 9.0, 4.4)
+def weights_figure(figure: Any, logs: Sequence[dict[str, Any]]) -> None:
     """Estimated against actual, all steps: number of targets, and value of the objective; a step on the diagonal came true."""
-
-    def draw(figure: Any) -> None:
-        axes = figure.subplots(1, 2)
-        for ax, what, title in zip(axes, ("targets", "value"), ("number of targets", "value, relative to the largest"), strict=True):
-            for k, (method, log) in enumerate(by_method(logs)):
-                estimated, actual = log[f"estimated_{what}"].to_numpy(), log[f"actual_{what}"].to_numpy()
-                scale = 1.0 if what == "targets" else max(np.nanmax(estimated), np.nanmax(actual), 1e-9)
-                ax.plot(actual / scale, estimated / scale, "ox"[k % 2], color=COLOURS[method], markersize=4, alpha=0.6, label=method)
-            low, high = min(ax.get_xlim()[0], ax.get_ylim()[0]), max(ax.get_xlim()[1], ax.get_ylim()[1])
-            ax.plot([low, high], [low, high], color="#999999", linewidth=0.8, linestyle=(0, (5, 3)))
-            ax.set_xlabel("actual", fontsize=9)
-            ax.set_ylabel("estimated", fontsize=9)
-            plain(ax, title)
-        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False, fontsize=9)
-
-    return Figure("tracking-weights", draw, (9.0, 4.4))
+    axes = figure.subplots(1, 2)
+    for ax, what, title in zip(axes, ("targets", "value"), ("number of targets", "value, relative to the largest"), strict=True):
+        for k, (method, log) in enumerate(by_method(logs)):
+            estimated, actual = log[f"estimated_{what}"].to_numpy(), log[f"actual_{what}"].to_numpy()
+            scale = 1.0 if what == "targets" else max(np.nanmax(estimated), np.nanmax(actual), 1e-9)
+            ax.plot(actual / scale, estimated / scale, "ox"[k % 2], color=COLOURS[method], markersize=4, alpha=0.6, label=method)
+        low, high = min(ax.get_xlim()[0], ax.get_ylim()[0]), max(ax.get_xlim()[1], ax.get_ylim()[1])
+        ax.plot([low, high], [low, high], color="#999999", linewidth=0.8, linestyle=(0, (5, 3)))
+        ax.set_xlabel("actual", fontsize=9)
+        ax.set_ylabel("estimated", fontsize=9)
+        plain(ax, title)
+    figure.legend(*axes[0].get_legend_handles_labels(), loc="outside lower center", ncols=4, frameon=False, fontsize=9)

@@ -1,7 +1,5 @@
 """Facts of assignments, tasks and jobs as rows of a table."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from .. import TABLES, Tables

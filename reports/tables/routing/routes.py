@@ -1,7 +1,5 @@
 """Tables of routes, of sites that stay unserved, and of what a routing problem holds."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from functools import partial

@@ -3,8 +3,6 @@
 ``python -m waybound.reports.tables.routing_features docs/formulations/routing-features.md`` writes it anew.
 """
 
-from __future__ import annotations
-
 import argparse
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -1,7 +1,5 @@
 """Facts of max-min and selection problems, and of the sensing graphs that both may stand on, as rows of tables."""
 
-from __future__ import annotations
-
 from functools import partial
 from typing import Any
 

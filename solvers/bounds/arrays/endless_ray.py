@@ -1,7 +1,5 @@
 """Bound ``endless-ray``: a direction in which the objective of a program improves for ever, and a point to begin at."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 from fractions import Fraction
@@ -17,7 +15,7 @@ from ...backend import Control, Options
 from ...backends.highs import Highs
 from ...linear_programs import LinearPrograms
 from ...linear_session import LinearSession
-from .. import BOUNDS, BoundMethod, of_family
+from .. import bound_method, of_family
 from ..linear_relaxation import ENTRIES_PER_SECOND
 
 DENOMINATORS = (1, 12, 1000, 10**6)
@@ -27,6 +25,16 @@ LEAST_GAIN = 1e-9
 """Rounding error of the objective along a ray, in ordinary units."""
 
 
+def _lacks(problem: ArrayProblem) -> frozenset[str]:
+    p = problem.program
+    missing = {"a quadratic objective"} if p.quadratic is not None else set()
+    missing |= {"cones"} if p.cones else set()
+    gain = -p.cost if p.sense == "min" else p.cost
+    gains = ((gain > 0) & np.isinf(p.upper)) | ((gain < 0) & np.isinf(p.lower))
+    return frozenset(missing | (set() if gains.any() else {"bounds on all that gains"}))
+
+
+@bound_method("endless-ray", of_family("arrays", _lacks), order=8)
 def endless_ray(problem: ArrayProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """Evidence of kind ``endless-ray`` that the objective of a linear program, mixed-integer or not, has no bound.
 
@@ -78,15 +86,3 @@ def _whole(ray: Floats, denominator: int) -> Floats:
     near = [Fraction(float(r) / float(np.abs(ray).max())).limit_denominator(denominator) for r in ray]
     factor = math.lcm(*(f.denominator for f in near))
     return np.array([float(f * factor) if abs(f * factor) < 2**53 else math.nan for f in near])
-
-
-def _lacks(problem: ArrayProblem) -> frozenset[str]:
-    p = problem.program
-    missing = {"a quadratic objective"} if p.quadratic is not None else set()
-    missing |= {"cones"} if p.cones else set()
-    gain = -p.cost if p.sense == "min" else p.cost
-    gains = ((gain > 0) & np.isinf(p.upper)) | ((gain < 0) & np.isinf(p.lower))
-    return frozenset(missing | (set() if gains.any() else {"bounds on all that gains"}))
-
-
-BOUNDS.enter(BoundMethod("endless-ray", of_family("arrays", _lacks), endless_ray, order=8))

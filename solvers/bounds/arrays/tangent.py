@@ -1,7 +1,5 @@
 """Bound ``tangent``: a convex quadratic program, linearised at its optimum."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 
@@ -16,10 +14,16 @@ from ....formulations.verified_bounds import verified_bound
 from ...backend import Control, Options
 from ...backends.highs import Highs
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod, of_family
+from .. import bound_method, of_family
 from ..linear_relaxation import ENTRIES_PER_SECOND, vertex
 
 
+def _lacks(problem: ArrayProblem) -> frozenset[str]:
+    features = problem.program.features()
+    return frozenset() if features >= QUADRATIC and not problem.program.cones else frozenset({"a linear objective, or cones"})
+
+
+@bound_method("tangent", of_family("arrays", _lacks), order=2)
 def tangent_bound(problem: ArrayProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """Evidence of kind ``quadratic-duals`` at the optimum of the continuous relaxation, or that no point is within rows and bounds.
 
@@ -45,11 +49,3 @@ def tangent_bound(problem: ArrayProblem, stop: Stop = NEVER, linear: LinearProgr
     data = {"duals": duals.tolist(), "point": point.tolist()}
     evidence = Evidence("quadratic-duals", "tangent at the relaxation's optimum", value, data)
     return evidence if math.isfinite(verified_bound(problem, evidence)) else None
-
-
-def _lacks(problem: ArrayProblem) -> frozenset[str]:
-    features = problem.program.features()
-    return frozenset() if features >= QUADRATIC and not problem.program.cones else frozenset({"a linear objective, or cones"})
-
-
-BOUNDS.enter(BoundMethod("tangent", of_family("arrays", _lacks), tangent_bound, order=2))

@@ -1,20 +1,20 @@
 """Bound ``assignment-prices``: prices of an auction for sums of costs; robots and bins that meet all cheap pairs for the largest cost."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
+from ....formulations.auctions.bin_assignment import BinAssignment
 from ....formulations.evidence import Evidence
 from ....formulations.stop import Stop
 from ...engines.auctions.assignment_steps.auction import auction
 from ...engines.auctions.threshold_matching import least_threshold
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod, of_family
+from .. import bound_method, of_family
 
-if TYPE_CHECKING:
-    from ....formulations.auctions.bin_assignment import BinAssignment
+KERNELS = (
+    "waybound.solvers.engines.auctions.assignment_steps.auction_kernels",
+    "waybound.solvers.engines.auctions.assignment_steps.price_kernels",
+)
 
 
+@bound_method("assignment-prices", of_family("bin-assignment"), order=1, kernels=KERNELS)
 def compute(problem: BinAssignment, stop: Stop, linear: LinearPrograms) -> Evidence | None:
     """Evidence of the least sum or the least largest cost; None where it was stopped, or where not as many pairs as asked for exist."""
     if problem.pairs > int((problem.largest >= 0).sum()):
@@ -23,12 +23,3 @@ def compute(problem: BinAssignment, stop: Stop, linear: LinearPrograms) -> Evide
         return least_threshold(problem, stop).evidence
     ended = auction(problem, stop)
     return ended.evidence(problem, "auction prices") if ended.complete else None
-
-
-KERNELS = (
-    "waybound.solvers.engines.auctions.assignment_steps.auction_kernels",
-    "waybound.solvers.engines.auctions.assignment_steps.price_kernels",
-)
-
-
-BOUNDS.enter(BoundMethod("assignment-prices", of_family("bin-assignment"), compute, order=1, kernels=KERNELS))

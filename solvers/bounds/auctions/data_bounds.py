@@ -1,7 +1,5 @@
 """Bounds that need no search: their checkers read the data of the problem alone, and their evidence is empty."""
 
-from __future__ import annotations
-
 from typing import Any
 
 from ....formulations.evidence import CHECKERS, Evidence

@@ -1,7 +1,5 @@
 """Prim's smallest forest of tasks rooted at robots, compiled. Imports numba: import it inside functions only."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,25 +1,22 @@
 """Bound ``job-prices``: Lagrangean relaxation of generalised assignments, from the duals of the linear program on."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ....formulations.auctions.generalised_assignment import GeneralisedAssignment
 from ....formulations.evidence import Evidence
 from ....formulations.stop import Stop
 from ....formulations.verified_bounds import verified_bound
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod, of_family
+from .. import bound_method, instead_of, of_family
 from ..linear_relaxation import linear_relaxation_bound
-
-if TYPE_CHECKING:
-    from ....formulations.auctions.generalised_assignment import GeneralisedAssignment
 
 Floats = NDArray[np.float64]
 Longs = NDArray[np.int64]
+
+FAMILY = GeneralisedAssignment.family
 
 SOURCE = "Lagrangean relaxation, a knapsack an agent"
 
@@ -30,6 +27,7 @@ MOST_STEPS = 2e7
 """Jobs times capacities, in steps, beyond which a round takes too long: a tenth of a second."""
 
 
+@bound_method("job-prices", of_family(FAMILY), order=1, aims=True, replaces=instead_of("linear-relaxation", FAMILY))
 def compute(problem: GeneralisedAssignment, stop: Stop, linear: LinearPrograms, target: float | None = None) -> Evidence | None:
     """Prices of the linear relaxation, made better by subgradients where consumption comes in few steps (Fisher 1981)."""
     reason = next(problem.infeasibility_reasons(), None)
@@ -130,11 +128,3 @@ def _filled(gain: Floats, used: Longs, most: int) -> tuple[float, Longs]:
             chosen.append(k)
             room -= int(used[k])
     return float(best[most]), np.array(chosen, dtype=np.int64)
-
-
-BOUNDS.enter(
-    BoundMethod(
-        "job-prices", of_family("generalised-assignment"), compute, order=1, aims=True,
-        replaces=lambda problem: frozenset({"linear-relaxation"} if problem.family == "generalised-assignment" else ()),
-    ),
-)  # fmt: skip

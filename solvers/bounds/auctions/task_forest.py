@@ -1,19 +1,13 @@
 """Bound ``task-forest``: prices of tasks and robots by projected subgradients, for the evidence of the same name."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
+from ....formulations.auctions.task_allocation import TaskAllocation
 from ....formulations.evidence import Evidence
 from ....formulations.stop import Stop
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod, of_family
-
-if TYPE_CHECKING:
-    from ....formulations.auctions.task_allocation import TaskAllocation
+from .. import bound_method, of_family
 
 Floats = NDArray[np.float64]
 
@@ -26,7 +20,13 @@ PATIENCE = 25
 SHORTEST = 1e-4
 """The least part of the value that a step aims at."""
 
+KERNELS = ("waybound.solvers.bounds.auctions.forest_kernels",)
 
+MISSING = of_family("task-allocation", lambda problem: problem.features() & {"objective:mini-ave"})
+"""A forest says little about the mean way."""
+
+
+@bound_method("task-forest", MISSING, order=1, kernels=KERNELS)
 def compute(problem: TaskAllocation, stop: Stop, linear: LinearPrograms) -> Evidence | None:
     """The best prices that an ascent finds; no prices where ``stop`` comes first."""
     from .forest_kernels import rooted_forest
@@ -61,11 +61,3 @@ def compute(problem: TaskAllocation, stop: Stop, linear: LinearPrograms) -> Evid
     data = {"tasks": best_price[:-robots].tolist(), "robots": best_price[-robots:].tolist()}
     value = max(0.0, best) / (robots if problem.objective == "mini-max" else 1)
     return Evidence("task-forest", "forest of tasks rooted at the robots, with prices", value, data)
-
-
-KERNELS = ("waybound.solvers.bounds.auctions.forest_kernels",)
-
-MISSING = of_family("task-allocation", lambda problem: problem.features() & {"objective:mini-ave"})
-"""A forest says little about the mean way."""
-
-BOUNDS.enter(BoundMethod("task-forest", MISSING, compute, order=1, kernels=KERNELS))

@@ -1,7 +1,5 @@
 """Bound ``convex-allocation``: prices of the convex program of decisions and risks, or of each constraint with all of its budgets."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np
@@ -11,9 +9,12 @@ from ....formulations.risk.risk_allocation import Ints, RiskAllocation
 from ....formulations.stop import Stop
 from ...engines.risk.convex_allocation_steps.successive_tangents import Interval, SuccessiveTangents
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod, of_family
+from .. import bound_method, instead_of, of_family
+
+FAMILY = RiskAllocation.family
 
 
+@bound_method("convex-allocation", of_family(FAMILY), order=1, replaces=instead_of("linear-relaxation", FAMILY))
 def compute(problem: RiskAllocation, stop: Stop, linear: LinearPrograms) -> Evidence | None:
     """Prices by successive tangents, for the part of the problem without alternatives, and without sums where risk is joint."""
     part, rows = problem.convex_part()
@@ -31,11 +32,3 @@ def part_evidence(problem: RiskAllocation, rows: Ints, interval: Interval) -> tu
         priced = [bool(np.isin(kept, b.constraints).any()) for b in problem.budgets]
         budgets[priced] = interval.prices["budgets"]
     return replace(interval, prices={**interval.prices, "chance": chance, "budgets": budgets}).evidence(problem.sign)
-
-
-BOUNDS.enter(
-    BoundMethod(
-        "convex-allocation", of_family("risk-allocation"), compute, order=1,
-        replaces=lambda problem: frozenset({"linear-relaxation"}) if problem.family == "risk-allocation" else frozenset(),
-    ),
-)  # fmt: skip

@@ -1,7 +1,5 @@
 """Bounds of paths at risk (``move-potentials``, ``guarded-walks``, ``all-paths``) and of paths of uncertain cost (``path-potentials``)."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import replace
 

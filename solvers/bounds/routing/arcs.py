@@ -3,25 +3,20 @@
 Which bound holds is for the checker to say, which draws up its own arcs; here they only steer the search for good multipliers.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....formulations.routing.checking.known_features import unknown_features
 from ....formulations.routing.preparation import Resource, every_move, limited_resources, tightened
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.routing.reachability import minimum_vehicles
 from ....formulations.stop import NEVER, Stop
 from ....instances.memory import fits
 from ....instances.routing.instance import VehicleType
 from ....instances.routing.vehicle_type import ENERGY_CHARGES
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]

@@ -1,23 +1,18 @@
 """Bound ``assignment``: the cheapest assignment of one predecessor and one successor to each customer, as evidence ``arc-multipliers``."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....formulations.evidence import Evidence
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import NEVER, Stop, Stopped
 from ....formulations.verified_bounds import verified_bound
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod, of_family
+from .. import bound_method, of_family
 from .arcs import Arcs, Floats, arc_costs, by_site, lacks_arc_costs
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
 
 STEPS_PER_SECOND = 4e9
 """Cubes of the number of nodes that fit in a second of the budget, with a wide margin: 1,000 nodes take 0.1 s, prices twice that."""
@@ -26,6 +21,7 @@ STALLED = 1e-13
 """Part of the dearest arc by which prices must change for another round to be worth it."""
 
 
+@bound_method("assignment", of_family("routing", lacks_arc_costs), order=1)
 def assignment_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """Evidence from the prices of a cheapest assignment of successors; None where the time does not suffice or there is no assignment.
 
@@ -82,6 +78,3 @@ def _prices(cost: Floats, successor: NDArray[np.integer], stop: Stop = NEVER) ->
             break
         columns = lower
     return chosen[:, 0] - columns[successor], columns
-
-
-BOUNDS.add("assignment", BoundMethod("assignment", of_family("routing", lacks_arc_costs), assignment_bound, order=1))

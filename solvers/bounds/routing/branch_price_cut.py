@@ -5,18 +5,17 @@ cuts are added while they help. Moves that no better answer can make are left ou
 number of routes, then on visits, on the types of vehicle that make them, and on single moves. docs/branch-price-cut.md
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ....formulations.checking.granularity import grain, lift
 from ....formulations.evaluation import Evaluation
 from ....formulations.evidence import Evidence
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.routing.routes import Routes
 from ....formulations.stop import NEVER, Stop
 from ....formulations.tolerance import same
@@ -34,9 +33,6 @@ from .restricted_master import Prices
 from .routes_at_hand import best_choice
 from .set_partition import SetPartition, set_partition
 from .subset_rows import SubsetRow
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
 
 CUSTOMERS = 400
 """Most customers; the shortest ways between all of them are looked for again at each node."""
@@ -303,7 +299,7 @@ class Tree(ProofTree[_Node]):
         return (hopeless, gap + 0.5 * self.columns.step) if hopeless is not None and hopeless.sum() > many else None
 
     def _goal(self) -> float:
-        """What is to be proved, in units: what is above the last multiple before the target is lifted to it."""
+        """The bound to be proved, in units: as values are multiples of the grain, more than the last one before the target will do."""
         below = 0.0 if self.grain is None else self.grain.size * (1.0 - 1e-4)
         return (self.target - below) / self.unit
 

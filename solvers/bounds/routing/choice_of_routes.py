@@ -1,23 +1,18 @@
 """Bound ``branch-price-cut``: of sums over routes by one tree, of the largest of all routes by trees for limits of it."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from ....formulations.evidence import Evidence
 from ....formulations.routing.checking.known_features import unknown_features
 from ....formulations.routing.objective import PEAKS
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.routing.routes import Routes
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod, of_family
+from .. import bound_method, of_family
 from .branch_price_cut import CUSTOMERS, KERNELS, SHARED, branch_price_cut_bound, opening_answer
 from .largest_limits import LimitSearch
 from .set_partition import lacks_route_costs
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
 
 
 def holds_peaks(problem: RoutingProblem) -> bool:
@@ -59,6 +54,7 @@ def largest_route_bound(
     return None if search.proof is None else search.evidence()
 
 
+@bound_method("branch-price-cut", of_family("routing", lacks_routes), order=1, aims=True, starts=True, kernels=KERNELS)
 def choice_of_routes_bound(
     problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None, target: float | None = None,
     answer: Routes | None = None, on_answer: Callable[[Routes, float], None] = lambda answer, value: None,
@@ -66,9 +62,3 @@ def choice_of_routes_bound(
     """Evidence of either kind, as the first level of the objective asks for."""
     method = largest_route_bound if holds_peaks(problem) else branch_price_cut_bound
     return method(problem, stop, linear, target, answer, on_answer)
-
-
-BOUNDS.add(
-    "branch-price-cut",
-    BoundMethod("branch-price-cut", of_family("routing", lacks_routes), choice_of_routes_bound, 1, aims=True, starts=True, kernels=KERNELS),
-)

@@ -5,15 +5,14 @@ Routes of negative reduced cost are found by labels, and added until there are n
 in between (Roberti, Mingozzi 2014).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.routing.routes import Routes
 from ....formulations.stop import Stop
 from .arcs import Flags, Floats, Longs
@@ -26,9 +25,6 @@ from .set_partition import SetPartition
 from .stabilisation import BOXED, KINDS, Smoothing, Stabilisation, stabilised
 from .subset_rows import SubsetRow, violated
 from .window_cuts import WindowCuts
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
 
 LABELS = 2_000_000
 """Most labels from one end in one search for routes, of all types of vehicle together, some 120 bytes each."""
@@ -100,17 +96,9 @@ class Solved:
 class ColumnGeneration:
     """The routes at hand, the cuts, and the linear program over them, for all nodes of one tree.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-    partition : SetPartition
-        Costs are counted in ``unit`` of them from here on, so that they are about a thousand, as tolerances of linear programs ask for.
-    stop : Stop
-    enough : callable
-        Whether a bound, in ``unit``, is all that is asked for.
-    seed : int
-    most : mapping, optional
-        ``columns``, ``labels``, ``memory``, ``memory_limit`` and ``stabilisation`` other than the usual ones.
+    Costs of the ``partition`` are counted in ``unit`` of them from here on, so that they are about a thousand, as tolerances of linear
+    programs ask for. ``enough`` says whether a bound, in ``unit``, is all that is asked for; ``most`` has ``columns``, ``labels``,
+    ``memory``, ``memory_limit`` and ``stabilisation`` other than the usual ones.
     """
 
     def __init__(

@@ -1,7 +1,5 @@
 """Violated cuts of a point, compiled: least ones between the depot and each customer, and those around sets with too much load."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -5,10 +5,7 @@ edges of each customer; others come in where their reduced cost is negative. Dua
 with them, which the checker does.
 """
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -16,15 +13,13 @@ from ....formulations.evidence import Evidence
 from ....formulations.programs.program import Program, Rows, Variables
 from ....formulations.routing.checking.known_features import without_stops
 from ....formulations.routing.checking.vehicle_moves import VehicleMoves, alike, constants, needed_routes, terms_of
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
 from ...linear_session import LinearSession
-from .. import BOUNDS, BoundMethod, of_family
+from .. import bound_method, of_family
 from .arcs import Flags, Floats, Longs, by_site, lacks_arc_costs, too_many_arcs
 from .knapsack import lacks_rewards
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
 
 NEIGHBOURS = 8
 """Edges of each node that the first program has at least."""
@@ -227,6 +222,18 @@ def _nearest(costs: _Costs) -> Flags:
     return near & usable
 
 
+def _lacks(problem: RoutingProblem) -> frozenset[str]:
+    """Features and objectives that ``lacks_rewards`` names, unless all that counts is costs of routes with loads and without windows."""
+    lacking = lacks_rewards(problem)
+    if not lacking or lacks_arc_costs(problem):
+        return lacking
+    return frozenset() if problem.features() & {"capacity"} and not problem.features() & {"time-windows"} else lacking
+
+
+KERNELS = ("waybound.solvers.bounds.routing.cut_kernels",)
+
+
+@bound_method("cutting-planes", of_family("routing", _lacks), order=1, kernels=KERNELS)
 def cutting_planes_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """Evidence ``cut-multipliers`` from the duals of the program that proves most.
 
@@ -272,16 +279,3 @@ def _evidence(problem: RoutingProblem, costs: _Costs, program: _Relaxation, valu
     }  # fmt: skip
     value = (1.0 if problem.sense == "min" else -1.0) * (value + costs.constant)
     return Evidence("cut-multipliers", "linear relaxation with cuts", value, data)
-
-
-def _lacks(problem: RoutingProblem) -> frozenset[str]:
-    """Features and objectives that ``lacks_rewards`` names, unless all that counts is costs of routes with loads and without windows."""
-    lacking = lacks_rewards(problem)
-    if not lacking or lacks_arc_costs(problem):
-        return lacking
-    return frozenset() if problem.features() & {"capacity"} and not problem.features() & {"time-windows"} else lacking
-
-
-KERNELS = ("waybound.solvers.bounds.routing.cut_kernels",)
-
-BOUNDS.add("cutting-planes", BoundMethod("cutting-planes", of_family("routing", _lacks), cutting_planes_bound, order=1, kernels=KERNELS))

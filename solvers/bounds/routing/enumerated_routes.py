@@ -3,12 +3,10 @@
 docs/branch-price-cut.md#all-routes
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -16,13 +14,11 @@ from ....formulations.routing.routes import Routes
 from ....formulations.stop import Stop
 from ..proof_tree import Node, ProofTree
 from .arcs import Floats, Longs, by_site
+from .column_generation import ColumnGeneration, Part, Solved
 from .load_cuts import LoadCut
 from .restricted_master import Master, Point, Pool, Prices
 from .route_rows import RouteLoad, RouteRow, violated_rows, visited
 from .subset_rows import SubsetRow
-
-if TYPE_CHECKING:
-    from .column_generation import ColumnGeneration, Part, Solved
 
 LABELS, ROUTES = 1_000_000, 50_000
 """Most labels and routes; with more nothing is listed."""
@@ -121,18 +117,8 @@ class _Case(Node):
 class ChoiceTree(ProofTree[_Case]):
     """A tree over all routes that a better answer can have; branchings are on two customers being on one route (Ryan, Foster 1981).
 
-    Parameters
-    ----------
-    columns : ColumnGeneration
-    part : Part
-    solved : Solved
-        The rows and loads that have prices here are those that it begins with.
-    every : Pool
-        Each set of customers once.
-    goal : callable
-        The value that is to be proved, in units of costs; lower once a better answer is known.
-    on_answer : callable
-        Hears of whole choices.
+    It begins with the rows and loads that have prices in ``solved``. ``every`` has each set of customers once, ``goal`` is the value to be
+    proved, in units of costs, lower once a better answer is known, and ``on_answer`` hears of whole choices.
     """
 
     def __init__(

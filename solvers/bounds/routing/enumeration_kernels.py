@@ -1,7 +1,5 @@
 """All routes below a reduced cost, compiled, by labels that grow a visit at a time. Imports numba: import it inside functions only."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ....formulations.kernels import kernel

@@ -4,11 +4,8 @@
 against costs: limits on it divide the answers, and are found here.
 """
 
-from __future__ import annotations
-
 import heapq
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -17,18 +14,22 @@ from ....formulations.routing.checking.all_routes import MOST, MOST_ORDERS, orde
 from ....formulations.routing.checking.customer_sets import CUSTOMERS, LIMITS, WORK, CustomerSets, joined_peak
 from ....formulations.routing.checking.known_features import unknown_features, without_stops
 from ....formulations.routing.checking.vehicle_moves import terms_of
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import NEVER, Stop, until
 from ....formulations.verified_bounds import verified_bound
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod, of_family
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
+from .. import bound_method, of_family
 
 PER_SECOND = 2e8
 """Sets that are joined in a second."""
 
 
+def _lacks_few_routes(problem: RoutingProblem) -> frozenset[str]:
+    many = orders(problem) > MOST_ORDERS and len(problem.customers) > MOST
+    return frozenset({"few customers"}) if many else frozenset()
+
+
+@bound_method("all-routes", of_family("routing", _lacks_few_routes), order=8, aims=True)
 def all_routes_bound(
     problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None, target: float | None = None
 ) -> Evidence | None:
@@ -39,6 +40,17 @@ def all_routes_bound(
     return _verified(problem, Evidence("all-routes", f"all routes of {count} customer{'s' if count != 1 else ''}", math.nan, {}), stop)
 
 
+def _lacks_few_sets(problem: RoutingProblem) -> frozenset[str]:
+    missing = unknown_features(without_stops(problem))
+    if not 0 < len(problem.customers) <= CUSTOMERS:
+        missing = missing | {"few customers"}
+    return missing if terms_of(problem) is not None else missing | {"objective:weights"}
+
+
+KERNELS = ("waybound.formulations.routing.checking.customer_set_kernels",)
+
+
+@bound_method("customer-sets", of_family("routing", _lacks_few_sets), order=7, aims=True, kernels=KERNELS)
 def customer_sets_bound(
     problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None, target: float | None = None
 ) -> Evidence | None:
@@ -94,24 +106,3 @@ def _limits(sets: CustomerSets, stop: Stop, target: float) -> list[float] | None
         heapq.heapreplace(pieces, (cheaper + sets.weight * (float(below[low]) if low > first else sets.least), low, half, cheaper))
         heapq.heappush(pieces, (worth + sets.weight * float(below[half + 1]), half + 1, high, worth))
     return sorted(float(below[low]) for _, low, _, _ in pieces if low > first)
-
-
-def _lacks_few_routes(problem: RoutingProblem) -> frozenset[str]:
-    many = orders(problem) > MOST_ORDERS and len(problem.customers) > MOST
-    return frozenset({"few customers"}) if many else frozenset()
-
-
-def _lacks_few_sets(problem: RoutingProblem) -> frozenset[str]:
-    missing = unknown_features(without_stops(problem))
-    if not 0 < len(problem.customers) <= CUSTOMERS:
-        missing = missing | {"few customers"}
-    return missing if terms_of(problem) is not None else missing | {"objective:weights"}
-
-
-KERNELS = ("waybound.formulations.routing.checking.customer_set_kernels",)
-
-BOUNDS.add("all-routes", BoundMethod("all-routes", of_family("routing", _lacks_few_routes), all_routes_bound, order=8, aims=True))
-BOUNDS.add(
-    "customer-sets",
-    BoundMethod("customer-sets", of_family("routing", _lacks_few_sets), customer_sets_bound, order=7, aims=True, kernels=KERNELS),
-)

@@ -1,15 +1,9 @@
 """A good answer soon, for proofs to begin with: it tells which moves and routes no better answer needs."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.routing.routes import Routes
 from ....formulations.stop import Stop
 from ....instances.errors import WayboundError
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
 
 RUINS = 1000
 """Ruins for each customer."""

@@ -1,20 +1,15 @@
 """Bounds ``infeasible-site``, ``too-few-vehicles`` and ``too-small-fleet``: proofs, before any search, that a problem has no answer."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
 
 from ....formulations.evidence import Evidence
-from ....formulations.routing.fleet_need import fleet_conflicts
+from ....formulations.routing.fleet_need import fleet_conflicts, infeasible_bound
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.routing.reachability import servable_alone
 from ....formulations.stop import NEVER, Stop
 from ....formulations.verified_bounds import verified_bound
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod, of_family
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
+from .. import bound_method, of_family
 
 MOST_SITES = 200
 """Sites up to which a fleet is examined: this costs time even where the problem has an answer."""
@@ -23,6 +18,7 @@ MOST_ENUMERATED = 5
 """Sites of which every choice of routes is tried, for the same reason."""
 
 
+@bound_method("infeasible-site", of_family("routing"))
 def infeasible_site_evidence(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """Proof that some required site cannot be served by any vehicle, if there is such a site.
 
@@ -34,12 +30,13 @@ def infeasible_site_evidence(problem: RoutingProblem, stop: Stop = NEVER, linear
         if stop.reached():
             return None
         name = problem.sites.ids[site]
-        evidence = Evidence("infeasible-site", f"no vehicle can serve site {name}", _no_answer(problem), {"site": name})
+        evidence = Evidence("infeasible-site", f"no vehicle can serve site {name}", infeasible_bound(problem), {"site": name})
         if verified_bound(problem, evidence) == evidence.value:
             return evidence
     return None
 
 
+@bound_method("too-few-vehicles", of_family("routing"))
 def too_few_vehicles_evidence(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """Proof that the fleet cannot carry the total demand of the required sites, if it cannot."""
     limit = problem.vehicle_limit
@@ -48,22 +45,13 @@ def too_few_vehicles_evidence(problem: RoutingProblem, stop: Stop = NEVER, linea
     total = math.fsum(problem.sites.demand[problem.sites.required])
     room = math.fsum(v.capacity * (v.count or 0) for v in problem.fleet)
     source = f"the sites demand {total:g}, all vehicles together carry {room:g}"
-    evidence = Evidence("too-few-vehicles", source, _no_answer(problem), {})
+    evidence = Evidence("too-few-vehicles", source, infeasible_bound(problem), {})
     return evidence if total > room and verified_bound(problem, evidence) == evidence.value else None
 
 
+@bound_method("too-small-fleet", of_family("routing"))
 def fleet_need_evidence(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """The first proof that the fleet is too small, or that too many routes are asked for, among ``fleet_conflicts``."""
     if len(problem.sites) > MOST_SITES:
         return None
     return next(fleet_conflicts(problem, lambda: bool(stop.reached()), MOST_ENUMERATED), None)
-
-
-def _no_answer(problem: RoutingProblem) -> float:
-    """The bound of a problem without any answer."""
-    return math.inf if problem.sense == "min" else -math.inf
-
-
-BOUNDS.add("infeasible-site", BoundMethod("infeasible-site", of_family("routing"), infeasible_site_evidence))
-BOUNDS.add("too-few-vehicles", BoundMethod("too-few-vehicles", of_family("routing"), too_few_vehicles_evidence))
-BOUNDS.add("too-small-fleet", BoundMethod("too-small-fleet", of_family("routing"), fleet_need_evidence))

@@ -1,22 +1,16 @@
 """Bound ``knapsack``: the best price of the resource of which visits take most, for the evidence of the same name."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from ....formulations.evidence import Evidence
 from ....formulations.routing.checking.knapsack import check_knapsack, needs
 from ....formulations.routing.checking.known_features import RESOURCES, unknown_features, without_stops
 from ....formulations.routing.checking.vehicle_moves import terms_of
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod, of_family
+from .. import bound_method, of_family
 from .arcs import too_many_arcs
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
 
 
 def lacks_rewards(problem: RoutingProblem) -> frozenset[str]:
@@ -28,6 +22,7 @@ def lacks_rewards(problem: RoutingProblem) -> frozenset[str]:
     return missing if terms.reward < 0 or terms.penalties > 0 else missing | {"objectives without rewards and penalties"}
 
 
+@bound_method("knapsack", of_family("routing", lacks_rewards))
 def knapsack_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """The best of the bounds that the critical ratios of the fractional knapsacks of all resources prove."""
     if too_many_arcs(problem, stop.seconds_left):
@@ -51,6 +46,3 @@ def knapsack_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPr
             proved.append((check_knapsack(problem, priced), priced))
     value, data = max(proved, key=lambda one: sign * one[0])
     return Evidence("knapsack", f"knapsack of {data['resource']}", value, data)
-
-
-BOUNDS.add("knapsack", BoundMethod("knapsack", of_family("routing", lacks_rewards), knapsack_bound))

@@ -8,8 +8,6 @@ Source: Sadykov, Uchoa, Pessoa (2021) for buckets and the halfway point; Baldacc
 Spoorendonk, Pisinger (2008) for dominance with cuts; Pecin, Contardo, Desaulniers, Uchoa (2017) for cuts with memories of arcs.
 """
 
-from __future__ import annotations
-
 from ....formulations.kernels import kernel
 from ....formulations.stop_kernel import asked
 

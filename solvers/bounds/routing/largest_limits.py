@@ -5,13 +5,11 @@ routes, each of at most T: a case without routes, or whose sum is more than that
 is longer than T. docs/branch-price-cut.md#the-largest-of-all-routes
 """
 
-from __future__ import annotations
-
 import heapq
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -21,6 +19,7 @@ from ....formulations.routing.checking.known_features import EPS, departure
 from ....formulations.routing.checking.round_trips import check_farthest_round_trip, longest, peak_grain, totals
 from ....formulations.routing.objective import Objective
 from ....formulations.routing.preparation import waiting_is_possible
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.routing.routes import Routes
 from ....formulations.stop import Stop
 from ....formulations.tolerance import same
@@ -34,9 +33,6 @@ from .load_cuts import LoadCut
 from .restricted_master import Drive
 from .set_partition import SetPartition, set_partition
 from .subset_rows import SubsetRow
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
 
 NEAR, LESS = 1e-3, 5e-10
 """Parts of the best value: two limits that are so near are not told apart where the data are no multiples of anything, and the last limit
@@ -72,7 +68,7 @@ class LimitTree(Tree):
     @classmethod
     def of(
         cls, problem: RoutingProblem, term: str, limit: float, stop: Stop, seed: int, extra: Mapping[str, Any]
-    ) -> LimitTree | None:  # fmt: skip
+    ) -> "LimitTree | None":  # fmt: skip
         """None where moves are too many for the time."""
         limited = problem.restricted([(stated(term, limit), True)]) if math.isfinite(limit) else problem
         summed = totals(limited)
@@ -90,7 +86,7 @@ class LimitTree(Tree):
         most = routes * (room + 32.0 * EPS * (abs(room) + abs(start))) if room > 0.0 else math.inf
         return cls(limited, summed, partition, limit, most, stop, seed, extra)
 
-    def take(self, known: Routes | None, former: LimitTree | None) -> None:
+    def take(self, known: Routes | None, former: "LimitTree | None") -> None:
         """Begin with routes of an answer, and with routes and cuts of the tree of another limit, as far as the limit lets them be."""
         columns, problem = self.columns, self.routing
         if known is not None:
@@ -194,22 +190,9 @@ def _within(partition: SetPartition, limiting: SetPartition) -> SetPartition:
 class LimitSearch:
     """Bisection between the largest limit that no answer keeps and the best answer, both of which stand at any time.
 
-    Parameters
-    ----------
-    problem : RoutingProblem
-        For which ``lacks_one_peak`` is empty.
-    stop : Stop
-    seed : int
-    answer : Routes, optional
-        The best so far.
-    value : float, optional
-        Its value, or that of another one.
-    most : mapping
-        Those of ``ColumnGeneration``.
-    gap : float
-        Part of the value that may stay open.
-    on_answer, on_step : callables
-        They hear of better answers with their values, and of the bound after some work.
+    For problems for which ``lacks_one_peak`` is empty. ``value`` is that of the answer, or of another one, ``gap`` the part of it that may
+    stay open, and ``most`` goes to ``ColumnGeneration``. ``on_answer`` hears of better answers with their values, ``on_step`` of the bound
+    after some work.
     """
 
     def __init__(

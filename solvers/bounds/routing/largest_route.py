@@ -1,24 +1,19 @@
 """Bounds ``farthest-round-trip`` and ``averaged-tour`` on the largest of all routes, for the evidence of the same names."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
 
 from ....formulations.evidence import Evidence
 from ....formulations.routing.checking.known_features import unknown_features, without_stops
 from ....formulations.routing.checking.round_trips import check_farthest_round_trip, totals
 from ....formulations.routing.objective import PEAKS
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import NEVER, Stop
 from ....formulations.verified_bounds import verified_bound
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod, of_family
+from .. import bound_method, of_family
 from .arcs import lacks_arc_costs, too_many_arcs
 from .spanning_tree import spanning_tree_bound
 from .state_space import state_space_bound
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
 
 
 def lacks_peaks(problem: RoutingProblem) -> frozenset[str]:
@@ -34,6 +29,7 @@ def _lacks_one_peak(problem: RoutingProblem) -> frozenset[str]:
     return frozenset({"objective:weights"}) if several and not missing else missing
 
 
+@bound_method("farthest-round-trip", of_family("routing", lacks_peaks))
 def farthest_round_trip(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """There and back to the farthest required site, which the checker looks for; None where the moves are too many."""
     if too_many_arcs(problem, stop.seconds_left):
@@ -41,6 +37,7 @@ def farthest_round_trip(problem: RoutingProblem, stop: Stop = NEVER, linear: Lin
     return Evidence("farthest-round-trip", "farthest round trip", check_farthest_round_trip(problem, {}), {})
 
 
+@bound_method("averaged-tour", of_family("routing", _lacks_one_peak), order=1)
 def averaged_tour(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """A bound on the sum of all routes, shared by the vehicles: the better one of a spanning tree and a state-space relaxation."""
     summed = None if too_many_arcs(problem, stop.seconds_left) else totals(problem)
@@ -57,7 +54,3 @@ def averaged_tour(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPro
         if value > -math.inf and (best is None or value > best.value):
             best = Evidence("averaged-tour", source, value, data)
     return best
-
-
-BOUNDS.add("farthest-round-trip", BoundMethod("farthest-round-trip", of_family("routing", lacks_peaks), farthest_round_trip))
-BOUNDS.add("averaged-tour", BoundMethod("averaged-tour", of_family("routing", _lacks_one_peak), averaged_tour, order=1))

@@ -1,19 +1,14 @@
 """Capacity cuts: routes enter a set of customers as often as its loads take vehicles (Laporte, Nobert 1983)."""
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import Stop
 from .arcs import Flags, Floats
 from .restricted_master import Pool
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
 
 LEAST = 0.02
 """Least violation."""
@@ -38,7 +33,7 @@ class LoadCut:
         return self.inside[1:].astype(np.float64)
 
     @staticmethod
-    def coefficients(cuts: Sequence[LoadCut], pool: Pool, first: int) -> Floats:
+    def coefficients(cuts: "Sequence[LoadCut]", pool: Pool, first: int) -> Floats:
         return np.array([pool.sums(cut.moves, first) for cut in cuts]).T
 
     @property

@@ -3,22 +3,17 @@
 The checkers look at all sites, and read nothing of the evidence.
 """
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
 
 from ....formulations.evidence import CHECKERS, Evidence
 from ....formulations.routing.checking.known_features import unknown_features, without_stops
 from ....formulations.routing.checking.load_shares import by_coordinates
 from ....formulations.routing.checking.vehicle_moves import terms_of
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod, of_family
+from .. import bound_method, of_family
 from .arcs import too_many_arcs
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
 
 SOURCES = {"load-shares": "round trips shared by loads", "nearest-moves": "least moves at each site"}
 
@@ -45,15 +40,13 @@ def evidence_of(kind: str, problem: RoutingProblem, stop: Stop = NEVER) -> Evide
     return Evidence(kind, SOURCES[kind], value, {}) if math.isfinite(value) else None
 
 
+@bound_method("load-shares", of_family("routing", lacks_loads))
 def load_shares(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """Each customer pays the part of a round trip that its load takes of a vehicle."""
     return evidence_of("load-shares", problem, stop)
 
 
+@bound_method("nearest-moves", of_family("routing", lacks_costs))
 def nearest_moves(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """Each customer pays half of its two least moves."""
     return evidence_of("nearest-moves", problem, stop)
-
-
-BOUNDS.add("load-shares", BoundMethod("load-shares", of_family("routing", lacks_loads), load_shares))
-BOUNDS.add("nearest-moves", BoundMethod("nearest-moves", of_family("routing", lacks_costs), nearest_moves))

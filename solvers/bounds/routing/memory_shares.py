@@ -1,7 +1,5 @@
 """Shares of a limit on memory for each part of branch, price and cut."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
@@ -41,7 +39,7 @@ class MemoryShares:
     listing: bool = True
 
     @classmethod
-    def of(cls, limit: float | None, nodes: int, types: int) -> MemoryShares:
+    def of(cls, limit: float | None, nodes: int, types: int) -> "MemoryShares":
         """The shares of a limit in MB, if there is one."""
         if limit is None:
             return cls()

@@ -1,7 +1,5 @@
 """Rows of a tree's branchings: of a set of moves some route makes one."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -21,7 +19,7 @@ class MoveRow:
     right: float = 1.0
 
     @classmethod
-    def of(cls, named: Mapping[str, Sequence[str]], moves: Flags) -> MoveRow:
+    def of(cls, named: Mapping[str, Sequence[str]], moves: Flags) -> "MoveRow":
         """The row of moves as a statement names them."""
         return cls(tuple((tail, tuple(heads)) for tail, heads in named.items()), moves)
 
@@ -29,5 +27,5 @@ class MoveRow:
         return np.ones(nodes - 1)
 
     @staticmethod
-    def coefficients(rows: Sequence[MoveRow], pool: Pool, first: int) -> Floats:
+    def coefficients(rows: "Sequence[MoveRow]", pool: Pool, first: int) -> Floats:
         return np.array([pool.sums(row.moves, first) for row in rows]).T

@@ -4,20 +4,15 @@ Prices rise, or fall, by what these walks lack, which leaves hardly any walk tha
 visits of all these walks at once (Baldacci, Christofides, Mingozzi 2008).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ....formulations.routing.checking.vehicle_moves import VehicleMoves
 from ....formulations.stop import Stop
 from .arcs import Flags, Floats
 from .resource_walks import Walks, at_level, step_size
-
-if TYPE_CHECKING:
-    from ....formulations.routing.checking.vehicle_moves import VehicleMoves
 
 WORK_PER_SECOND = 1.5e8
 """Moves times steps that are looked at in a second."""

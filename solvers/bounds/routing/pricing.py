@@ -1,7 +1,5 @@
 """Routes of negative reduced cost: whole numbers for the labels of ``label_kernels``, from both ends of the routes."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -117,19 +115,8 @@ class _End:
 class Pricer:
     """Searches for routes over the moves that ``usable`` marks; node 0 is the depot.
 
-    Parameters
-    ----------
-    levels : sequence of Level
-        At least one.
-    usable : array of shape (nodes, nodes)
-    far : array of shape (nodes, nodes)
-        Distances, by which those who are remembered are ranked.
-    dearest : float
-        The largest cost of a move.
-    room : int
-        Most labels from each end.
-    most_bytes : float
-        For the labels from both ends.
+    There is one of ``levels`` at least. Those who are remembered are ranked by the distances ``far`` (nodes, nodes); ``dearest`` is the
+    largest cost of a move, ``room`` the most labels from each end, and ``most_bytes`` is for the labels from both ends.
     """
 
     def __init__(

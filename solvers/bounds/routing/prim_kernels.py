@@ -1,7 +1,5 @@
 """Prim's minimum spanning tree on a dense matrix, compiled."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

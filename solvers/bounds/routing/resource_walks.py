@@ -1,21 +1,16 @@
 """Walks of one vehicle type over levels of a resource; node 0 is the depot."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....formulations.checking.granularity import grain
+from ....formulations.routing.checking.relaxation import Resource
+from ....formulations.routing.checking.vehicle_moves import VehicleMoves
 from ....formulations.stop import Stop
 from .arcs import Flags, Floats, Longs
-
-if TYPE_CHECKING:
-    from ....formulations.routing.checking.relaxation import Resource
-    from ....formulations.routing.checking.vehicle_moves import VehicleMoves
 
 Cells = tuple[Floats, NDArray[np.int32], Floats]
 """Least costs, nodes before, and weights of walks, shape (cells, 2)."""

@@ -1,7 +1,5 @@
 """Levels that grow along a route (time, loads, distances), as searches for routes by labels take them."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -32,7 +30,7 @@ class Level:
             idle = left
         return not idle.any()
 
-    def finite(self, usable: Flags) -> Level:
+    def finite(self, usable: Flags) -> "Level":
         """The same level with finite ranges that limit nothing more."""
         lower = np.where(np.isfinite(self.lower), self.lower, self.start)
         known = np.concatenate([lower, self.upper[np.isfinite(self.upper)], [self.start]])

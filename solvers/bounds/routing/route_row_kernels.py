@@ -1,7 +1,5 @@
 """Violated rows of any weights over whole routes, compiled. Imports numba: import it inside functions only."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ....formulations.kernels import kernel

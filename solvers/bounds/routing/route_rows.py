@@ -1,7 +1,5 @@
 """Rows over whole routes, of which only the customers count: of weights that are rounded down, and of sets that several routes visit."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -64,7 +62,7 @@ class RouteRow:
         return counted
 
     @staticmethod
-    def coefficients(rows: Sequence[RouteRow | RouteLoad], pool: Pool, first: int) -> Floats:
+    def coefficients(rows: "Sequence[RouteRow | RouteLoad]", pool: Pool, first: int) -> Floats:
         nodes = 1 + max(int(pool.head.max(initial=0)), max(max(row.customers) for row in rows))
         visits = visited(pool, first, nodes)
         return np.array([row.counted(visits) for row in rows]).T
@@ -86,7 +84,7 @@ class RouteLoad:
         return np.asarray(visits[:, self.customers].any(axis=1), dtype=np.float64)
 
     @staticmethod
-    def coefficients(rows: Sequence[RouteLoad], pool: Pool, first: int) -> Floats:
+    def coefficients(rows: "Sequence[RouteLoad]", pool: Pool, first: int) -> Floats:
         return RouteRow.coefficients(rows, pool, first)
 
 

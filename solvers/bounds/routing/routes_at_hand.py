@@ -1,7 +1,5 @@
 """The best answer that routes at hand make up, by an integer program (restricted master heuristic)."""
 
-from __future__ import annotations
-
 from dataclasses import replace
 
 import numpy as np

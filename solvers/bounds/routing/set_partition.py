@@ -4,26 +4,21 @@ What routes cost is less what the visits on them are worth, so that a customer w
 docs/branch-price-cut.md
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ....formulations.routing.checking.known_features import unknown_features
 from ....formulations.routing.preparation import Preparation, offset, prepare
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.routing.reachability import minimum_vehicles
 from ....formulations.routing.routes import Route, Routes
 from ....formulations.stop import NEVER, Stop
+from ....instances.routing.vehicle_type import VehicleType
 from .arcs import ARC_TERMS, Flags, Floats, Longs, too_many_arcs
 from .route_levels import Level, levels_of
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
-    from ....instances.routing.vehicle_type import VehicleType
 
 ROUNDED = 1e-12
 """Part of the largest number by which sums may differ by rounding."""

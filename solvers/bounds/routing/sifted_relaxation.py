@@ -1,29 +1,24 @@
 """Bound ``sifted-relaxation``: the linear relaxation of a routing problem, begun with the nearest moves of each customer."""
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ....formulations.evidence import Evidence
 from ....formulations.forms import FORMS
 from ....formulations.programs.size import ProgramSize
+from ....formulations.routing.preparation import Preparation, Resource
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import NEVER, Stop
 from ....formulations.verified_bounds import verified_bound
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod, of_family
+from .. import bound_method, instead_of, of_family
 from ..linear_relaxation import ENTRIES_PER_SECOND
 from .arcs import Flags, Floats, lacks_arc_costs, too_many_arcs
-
-if TYPE_CHECKING:
-    from ....formulations.problem import Problem
-    from ....formulations.routing.preparation import Preparation, Resource
-    from ....formulations.routing.problem import RoutingProblem
 
 FORM = "two-index-time-flow"
 """The strongest of the two-index forms, and the one whose duals are evidence."""
@@ -35,6 +30,11 @@ NEIGHBOURS = (3, 10)
 """Moves out of and into each customer that the first LP has at least (with fewer it says too little to be worth its time) and at most."""
 
 
+def _lacks(problem: RoutingProblem) -> frozenset[str]:
+    return lacks_arc_costs(problem) | FORMS[FORM].missing(problem)
+
+
+@bound_method("sifted-relaxation", of_family("routing", _lacks), order=2, replaces=instead_of("linear-relaxation", "routing"))
 def sifted_relaxation_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """Evidence from the duals of the linear relaxation of ``two-index-time-flow``; None where even a small LP exceeds the budget.
 
@@ -123,17 +123,3 @@ def _reduced_costs(prep: Preparation, data: dict[str, Any], resources: Mapping[s
         level = np.where(slope > 0, r.lower[i], np.minimum(r.upper[i], r.upper[j] - r.weight))
         reduced += mu[j] * r.weight + slope * np.where(i == 0, r.lower[0], level)
     return reduced
-
-
-def _lacks(problem: RoutingProblem) -> frozenset[str]:
-    return lacks_arc_costs(problem) | FORMS[FORM].missing(problem)
-
-
-def _replaces(problem: Problem) -> frozenset[str]:
-    return frozenset({"linear-relaxation"}) if problem.family == "routing" else frozenset()
-
-
-BOUNDS.add(
-    "sifted-relaxation",
-    BoundMethod("sifted-relaxation", of_family("routing", _lacks), sifted_relaxation_bound, order=2, replaces=_replaces),
-)

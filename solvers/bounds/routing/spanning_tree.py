@@ -1,26 +1,24 @@
 """Bound ``spanning-tree``: node prices by subgradient ascent, for the evidence of the same name."""
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ....formulations.evidence import Evidence
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod, of_family
+from .. import bound_method, of_family
 from .arcs import LIMITS, Arcs, Floats, arc_costs, by_site, lacks_arc_costs
 from .subgradient_ascent import ascend
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
 
 BUDGET = 0.1
 """Part of the time that it gets where routes are limited, of which trees see nothing."""
 
+KERNELS = ("waybound.solvers.bounds.routing.prim_kernels",)
 
+
+@bound_method("spanning-tree", of_family("routing", lacks_arc_costs), order=1, kernels=KERNELS)
 def spanning_tree_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """Evidence from the best node prices that an ascent finds; None where the time does not suffice for the arcs and the first tree."""
     if problem.features() & LIMITS:
@@ -64,11 +62,3 @@ def _ascend(arcs: Arcs, stop: Stop) -> tuple[Floats, float, float] | None:
     # No answer costs more than all moves at the dearest: what rises beyond it rises for ever.
     best_price, best = ascend(look, price, 1e-3 * dearest, 2.0 * len(edges) * dearest, stop)
     return None if math.isnan(best) else (best_price[1:], float(best_price[0]), best)
-
-
-KERNELS = ("waybound.solvers.bounds.routing.prim_kernels",)
-
-BOUNDS.add(
-    "spanning-tree",
-    BoundMethod("spanning-tree", of_family("routing", lacks_arc_costs), spanning_tree_bound, order=1, kernels=KERNELS),
-)

@@ -6,8 +6,6 @@ moves where the bound rises (Kallehauge, Larsen, Madsen 2006). ``none``: at the 
 value, at which nothing holds the linear program back. docs/branch-price-cut.md
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Sequence
 

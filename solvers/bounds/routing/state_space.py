@@ -5,29 +5,24 @@ Where many vehicles of one type serve all, the best walk through each customer t
 fall, by each customer's share of that, and follow the visits of all these walks at once.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ....formulations.evidence import Evidence
 from ....formulations.routing.checking.customer_sets import CUSTOMERS
 from ....formulations.routing.checking.known_features import unknown_features, without_stops
+from ....formulations.routing.checking.relaxation import Resource
 from ....formulations.routing.checking.vehicle_moves import VehicleMoves, alike, needed_routes, terms_of
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod, of_family
+from .. import bound_method, of_family
 from .arcs import LIMITS, Flags, Floats, Longs, by_site, lacks_arc_costs, too_many_arcs
 from .price_sharing import NEIGHBOURS, ROUNDS, WORK_PER_SECOND, shared_prices
 from .resource_walks import Walks, step_size
 from .subgradient_ascent import ascend
-
-if TYPE_CHECKING:
-    from ....formulations.routing.checking.relaxation import Resource
-    from ....formulations.routing.problem import RoutingProblem
 
 CHECKED = 3e8
 """Moves times steps that the check may take."""
@@ -69,6 +64,18 @@ class _Rows:
         return routes
 
 
+def _lacks(problem: RoutingProblem) -> frozenset[str]:
+    """Features that the checker does not know, problems without customers, and objectives in which more of a cost is better."""
+    missing = unknown_features(without_stops(problem))
+    if not len(problem.customers):
+        missing = missing | {"no customers"}
+    return missing if terms_of(problem) is not None else missing | {"objective:weights"}
+
+
+KERNELS = ("waybound.solvers.bounds.routing.state_space_kernels", "waybound.formulations.routing.checking.state_space_kernels")
+
+
+@bound_method("state-space", of_family("routing", _lacks), order=1, kernels=KERNELS)
 def state_space_bound(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """Evidence from the best prices that an ascent finds.
 
@@ -223,16 +230,3 @@ def _needs(walks: Walks) -> Floats:
     two = np.partition(np.minimum(ends[: len(weight)], ends[len(weight) :]), 1, axis=0)[:2]
     needs: Floats = np.where(np.isfinite(two).all(axis=0), two.sum(axis=0), 0.0) / (2.0 * walks.step)
     return needs
-
-
-def _lacks(problem: RoutingProblem) -> frozenset[str]:
-    """Features that the checker does not know, problems without customers, and objectives in which more of a cost is better."""
-    missing = unknown_features(without_stops(problem))
-    if not len(problem.customers):
-        missing = missing | {"no customers"}
-    return missing if terms_of(problem) is not None else missing | {"objective:weights"}
-
-
-KERNELS = ("waybound.solvers.bounds.routing.state_space_kernels", "waybound.formulations.routing.checking.state_space_kernels")
-
-BOUNDS.add("state-space", BoundMethod("state-space", of_family("routing", _lacks), state_space_bound, order=1, kernels=KERNELS))

@@ -3,8 +3,6 @@
 Cells stand for a node at a level: those of node ``j`` from ``base[j]`` on, one for each level from ``lower[j]`` to ``upper[j]``.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Subgradient ascent towards levels that are raised as they are met, so that no value of an answer is needed."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 

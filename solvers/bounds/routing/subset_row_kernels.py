@@ -1,7 +1,5 @@
 """Subset-row cuts over routes, compiled: their coefficients, and which are violated. Imports numba: import it inside functions only."""
 
-from __future__ import annotations
-
 from ....formulations.kernels import kernel
 
 

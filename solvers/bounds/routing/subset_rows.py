@@ -1,7 +1,5 @@
 """Subset-row cuts: of a few customers, routes visit two only so often (Jepsen, Petersen, Spoorendonk, Pisinger 2008)."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -40,7 +38,7 @@ class SubsetRow:
         return np.zeros(nodes - 1)
 
     @staticmethod
-    def coefficients(cuts: Sequence[SubsetRow], pool: Pool, first: int) -> Floats:
+    def coefficients(cuts: "Sequence[SubsetRow]", pool: Pool, first: int) -> Floats:
         from .subset_row_kernels import count_pairs
 
         inside, pairs = np.zeros((len(cuts), len(cuts[0].memory)), bool), np.zeros((len(pool) - first, len(cuts)))

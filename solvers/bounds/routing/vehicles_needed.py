@@ -5,23 +5,18 @@ hours, or sites of which no two share a route. Its evidence is a branching tree 
 that no answer has so few, and the bound L2 of answers with more.
 """
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
 
 from ....formulations.evidence import Evidence
 from ....formulations.routing.checking.known_features import unknown_features, without_stops
 from ....formulations.routing.checking.no_answer import check_vehicles_needed
 from ....formulations.routing.checking.vehicle_moves import terms_of
 from ....formulations.routing.fleet_need import bin_packing_bound, fleet_conflicts
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod, of_family
+from .. import bound_method, of_family
 from .infeasibility import MOST_ENUMERATED, MOST_SITES
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
 
 WORDS = {
     "too-few-vehicles": "loads", "bin-packing": "loads", "too-little-range": "range", "too-little-time": "time windows",
@@ -37,6 +32,7 @@ def lacks(problem: RoutingProblem) -> frozenset[str]:
     return missing if bounded else missing | {"objectives without vehicles"}
 
 
+@bound_method("vehicles-needed", of_family("routing", lacks))
 def vehicles_needed(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence:
     """Evidence from the threshold of the bound L2 that is best for the required demands."""
     capacity = max(v.capacity for v in without_stops(problem).fleet)
@@ -45,6 +41,7 @@ def vehicles_needed(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearP
     return Evidence("vehicles-needed", "vehicles that the loads need", check_vehicles_needed(problem, data), data)
 
 
+@bound_method("fewest-routes", of_family("routing", lacks), order=1)
 def fewest_routes(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """A bound on the number of routes, by a proof that fewer are infeasible; None where bin packing gives as good a bound.
 
@@ -74,7 +71,3 @@ def fewest_routes(problem: RoutingProblem, stop: Stop = NEVER, linear: LinearPro
         {"kind": rest.kind, "data": dict(rest.data)},
     ]
     return Evidence("branching-tree", f"vehicles needed, by {WORDS.get(conflict.kind, conflict.kind)}", rest.value, {"nodes": nodes})
-
-
-BOUNDS.add("vehicles-needed", BoundMethod("vehicles-needed", of_family("routing", lacks), vehicles_needed))
-BOUNDS.add("fewest-routes", BoundMethod("fewest-routes", of_family("routing", lacks), fewest_routes, order=1))

@@ -3,8 +3,6 @@
 They are ``LoadCut``s, of which only the right side comes from elsewhere. Source: Kohl, Desrosiers, Madsen, Solomon, Soumis (1999).
 """
 
-from __future__ import annotations
-
 import itertools
 from functools import cached_property
 

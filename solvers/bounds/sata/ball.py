@@ -5,24 +5,19 @@ Source: linear programming duality for (3.5) of Sung (2019): the dual weights of
 the dual of the whole.
 """
 
-from __future__ import annotations
-
 import math
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ....formulations.evidence import Evidence
+from ....formulations.problem import Problem
 from ....formulations.sata.balls import Floats, Indices, ball_graph, coverage as covered_by, even_shares, grown, near_one, num_edges
 from ....formulations.sata.max_min_lp import RobotsOf
 from ....formulations.stop import NEVER, Stop
 from ....instances.errors import InputError
 from ....instances.sata.sensing_graph import SensingGraph
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod, of_family
-
-if TYPE_CHECKING:
-    from ....formulations.problem import Problem
+from .. import bound_method, of_family
 
 SEEDS = 3
 """Worst-covered targets that the first ball is grown around."""
@@ -135,6 +130,10 @@ def _grown_weights(
     return best
 
 
+MISSING = of_family("max-min", lambda problem: problem.features() & {"min-max", "several-packing-rows"})
+
+
+@bound_method("ball", MISSING, order=1)
 def ball_bound(problem: Problem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """Evidence from balls around the targets that robots who divide themselves evenly cover worst, in half of the time.
 
@@ -145,8 +144,3 @@ def ball_bound(problem: Problem, stop: Stop = NEVER, linear: LinearPrograms | No
     robots = RobotsOf(problem)  # type: ignore[arg-type]
     evidence = ball_evidence(robots.graph, None, half, linear)
     return None if evidence is None else robots.evidence(evidence)
-
-
-MISSING = of_family("max-min", lambda problem: problem.features() & {"min-max", "several-packing-rows"})
-
-BOUNDS.enter(BoundMethod("ball", MISSING, ball_bound, order=1))

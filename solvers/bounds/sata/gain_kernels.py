@@ -6,8 +6,6 @@ f(S) = sum(best). Sums are in float64 whatever the matrix holds, and in one orde
 get the same number to the bit. Loops over elements take a ``Stop.flag`` first.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from ....formulations.kernels import inner, kernel

@@ -1,7 +1,5 @@
 """A set that grows, whatever the function: its value, and the gains of elements over it."""
 
-from __future__ import annotations
-
 from abc import ABC, abstractmethod
 from collections.abc import Iterable
 

@@ -8,26 +8,22 @@ whose value is that of the linear relaxation. Either side's best answer is a clo
 which is what the checker makes of the prices, of p the fractional credit of each item. Both are the method's own measure of its gap.
 """
 
-from __future__ import annotations
-
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ....formulations.evidence import Evidence
+from ....formulations.problem import Problem
+from ....formulations.sata.submodular_selection import SubmodularSelection
 from ....formulations.stop import NEVER, Stop
 from ....formulations.verified_bounds import verified_bound
 from ....instances.sata.set_functions import IN_MATRIX, Floats
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod, of_family
+from .. import bound_method, of_family
 from ..linear_relaxation import SMALL
 from .marginal_gains import best_sum
-
-if TYPE_CHECKING:
-    from ....formulations.problem import Problem
-    from ....formulations.sata.submodular_selection import SubmodularSelection
 
 GAP = 5e-7
 """Relative distance from the relaxation's value at which the prices are good enough: half of what is told apart from an optimum."""
@@ -152,16 +148,6 @@ def evidence_of(problem: SubmodularSelection, game: PriceGame) -> Evidence:
     return replace(evidence, value=verified_bound(problem, evidence))
 
 
-def item_prices_bound(problem: Problem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
-    """Evidence ``item-prices`` from a ``PriceGame``, the best that it has when ``stop`` is reached; None where that was before."""
-    if stop.reached():
-        return None
-    selection: SubmodularSelection = problem  # type: ignore[assignment]
-    game = PriceGame(selection)
-    game.run(stop)
-    return evidence_of(selection, game)
-
-
 def _lacks(problem: SubmodularSelection) -> frozenset[str]:
     weights = problem.function.as_item_weights()
     if weights is None or weights.layout == IN_MATRIX:
@@ -171,9 +157,15 @@ def _lacks(problem: SubmodularSelection) -> frozenset[str]:
     return frozenset({f"fewer than {SMALL} weights, which a linear program settles"}) if weights.entries <= SMALL else frozenset()
 
 
-BOUNDS.enter(
-    BoundMethod(
-        "item-prices", of_family("selection", _lacks), item_prices_bound, order=2, kernels=("waybound.solvers.bounds.sata.price_kernels",),
-        replaces=lambda problem: frozenset() if problem.family != "selection" or _lacks(problem) else frozenset({"linear-relaxation"}),
-    ),
+@bound_method(
+    "item-prices", of_family("selection", _lacks), order=2, kernels=("waybound.solvers.bounds.sata.price_kernels",),
+    replaces=lambda problem: frozenset() if problem.family != "selection" or _lacks(problem) else frozenset({"linear-relaxation"}),
 )  # fmt: skip
+def item_prices_bound(problem: Problem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
+    """Evidence ``item-prices`` from a ``PriceGame``, the best that it has when ``stop`` is reached; None where that was before."""
+    if stop.reached():
+        return None
+    selection: SubmodularSelection = problem  # type: ignore[assignment]
+    game = PriceGame(selection)
+    game.run(stop)
+    return evidence_of(selection, game)

@@ -1,27 +1,21 @@
 """Bound ``marginal-gains``: f of a set, and the best sum of gains over it that the constraint allows."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ....formulations.evidence import Evidence
+from ....formulations.problem import Problem
 from ....formulations.sata.feasibility import Openings, in_budgets
+from ....formulations.sata.submodular_selection import SubmodularSelection
 from ....formulations.stop import NEVER, Stop
 from ....formulations.verified_bounds import verified_bound
 from ....instances.sata.constraints import Knapsack, LimitRows, PartitionMatroid
 from ....instances.sata.set_functions import Floats, ItemWeights
 from ...linear_programs import LinearPrograms
-from .. import BOUNDS, BoundMethod, of_family
+from .. import bound_method, of_family
 from .growing_sets import WeightedSet, empty_set
-
-if TYPE_CHECKING:
-    from ....formulations.problem import Problem
-    from ....formulations.sata.submodular_selection import SubmodularSelection
-
 
 WORK = 5_000_000
 """Entries of the function's data that are looked at in search of the best prefix (two prefixes at least): some milliseconds."""
@@ -94,6 +88,15 @@ def _fractional(costs: Floats, budget: float, gains: Floats) -> float:
 # -- the method for problems whose solver brings no such evidence -----------------------------------------------------
 
 
+def _lacks(problem: SubmodularSelection) -> frozenset[str]:
+    f = problem.function
+    return frozenset() if f.monotone and f.submodular else frozenset({"a function that is declared monotone and submodular"})
+
+
+KERNELS = ("waybound.solvers.bounds.sata.gain_kernels",)
+
+
+@bound_method("marginal-gains", of_family("selection", _lacks), order=1, kernels=KERNELS)
 def marginal_gains_bound(problem: Problem, stop: Stop = NEVER, linear: LinearPrograms | None = None) -> Evidence | None:
     """Evidence from a set picked almost greedily, with a falling threshold (Badanidiyuru and Vondrák 2014); of a user's function
     plainly, one call a round."""
@@ -144,13 +147,3 @@ def _picked(problem: SubmodularSelection, stop: Stop) -> list[int]:
         chosen.take(picks[-1], float(gains[at]))
         openings.take(picks[-1])
     return picks
-
-
-def _lacks(problem: SubmodularSelection) -> frozenset[str]:
-    f = problem.function
-    return frozenset() if f.monotone and f.submodular else frozenset({"a function that is declared monotone and submodular"})
-
-
-KERNELS = ("waybound.solvers.bounds.sata.gain_kernels",)
-
-BOUNDS.enter(BoundMethod("marginal-gains", of_family("selection", _lacks), marginal_gains_bound, order=1, kernels=KERNELS))

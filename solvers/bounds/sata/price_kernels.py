@@ -1,7 +1,5 @@
 """Compiled loop of the primal-dual method for prices of items. Imports numba: import it inside functions only."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from ....formulations.kernels import inner, kernel

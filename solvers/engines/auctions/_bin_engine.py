@@ -1,16 +1,12 @@
 """Base of the engines of bin assignments."""
 
-from __future__ import annotations
-
 from abc import abstractmethod
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
+from ....formulations.auctions.bin_assignment import BinAssignment
 from ....formulations.problem import Problem
 from ....formulations.stop import Stop
 from ...backend import Control, Engine, Options, RawResult
-
-if TYPE_CHECKING:
-    from ....formulations.auctions.bin_assignment import BinAssignment
 
 
 class BinEngine(Engine):

@@ -1,19 +1,14 @@
 """Engine ``epsilon-scaling``: assignments of the least sum by Bertsekas' auction, whose prices prove them."""
 
-from __future__ import annotations
-
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
+from ....formulations.auctions.bin_assignment import BinAssignment
 from ....formulations.evidence import Evidence
 from ....formulations.stop import Stop
 from ....formulations.tolerance import same
 from ...backend import BACKENDS, Control, Options, RawResult
 from ._bin_engine import BinEngine
 from .lapjv import LapjvEngine
-
-if TYPE_CHECKING:
-    from ....formulations.auctions.bin_assignment import BinAssignment
 
 
 @BACKENDS.register("epsilon-scaling")

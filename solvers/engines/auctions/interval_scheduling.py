@@ -1,8 +1,5 @@
 """Engine ``interval-scheduling``: days in the orchard as intervals of trips, of which no more overlap than there are robots."""
 
-from __future__ import annotations
-
-import threading
 import time
 from typing import Any, ClassVar
 
@@ -10,7 +7,7 @@ from ....formulations.auctions.orchard_day import OrchardDay, Trips, in_order
 from ....formulations.problem import Problem
 from ....instances.errors import UnsupportedError
 from ...backend import BACKENDS, Control, Engine, Options, RawResult
-from ...backends.cpsat import ASK_AGAIN, STATUS_MAP
+from ...backends.cpsat import STATUS_MAP, search_until_stopped, set_limits
 
 MOST_BINS = 200
 """Bins of a day: each pair of a bin to bring and one to fetch is a variable."""
@@ -53,30 +50,14 @@ class IntervalScheduling(Engine):
         value = problem.value(problem.timetable(known))
         control.publish(known, value)
         intervals = _Intervals(problem)
-        solver, over = cp_model.CpSolver(), threading.Event()
-        p = solver.parameters
-        p.max_time_in_seconds, p.num_workers = max(0.0, float(options.time_limit)), int(options.threads)
-        p.random_seed, p.relative_gap_limit, p.absolute_gap_limit = int(options.seed) % (2**31 - 1), float(options.gap), 0.0
-        p.catch_sigint_signal = False
-        if options.iterations is not None:
-            p.max_number_of_conflicts = int(options.iterations)
+        solver, began = cp_model.CpSolver(), time.perf_counter()
+        set_limits(solver.parameters, options)
 
-        class Hear(cp_model.CpSolverSolutionCallback):  # type: ignore[misc]
-            def on_solution_callback(self) -> None:
-                control.publish(intervals.trips(self.value), float(self.objective_value))
+        def hear(found: Any) -> None:
+            control.publish(intervals.trips(found.value), float(found.objective_value))
 
-        def stop() -> None:
-            while not over.is_set():
-                solver.stop_search()
-                over.wait(ASK_AGAIN)
-
-        solver.best_bound_callback = lambda bound: control.publish(bound=float(bound))
-        control.on_stop(lambda: threading.Thread(target=stop, daemon=True).start())
-        began = time.perf_counter()
-        try:
-            status = STATUS_MAP[solver.status_name(solver.solve(intervals.model, Hear()))]
-        finally:
-            over.set()
+        ended = search_until_stopped(solver, intervals.model, control, hear, lambda bound: control.publish(bound=float(bound)))
+        status = STATUS_MAP[solver.status_name(ended)]
         limit = "none"
         if status in ("unknown", "feasible"):
             late = time.perf_counter() - began >= 0.98 * options.time_limit

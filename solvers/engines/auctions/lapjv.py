@@ -1,21 +1,17 @@
 """Engine ``lapjv``: assignments of the least sum by shortest augmenting paths, scipy's, with prices that prove it."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING, cast
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ....formulations.auctions.bin_assignment import BinAssignment
 from ....formulations.problem import Problem
 from ....formulations.stop import Stop
 from ....formulations.tolerance import same
 from ...backend import BACKENDS, Control, Options, RawResult
 from ._bin_engine import BinEngine
-
-if TYPE_CHECKING:
-    from ....formulations.auctions.bin_assignment import BinAssignment
-    from .assignment_steps.sides import Side
+from .assignment_steps.sides import Side
 
 MOST_FILLED = 4_000_000
 """Entries of a sparse matrix up to which it is filled with infinity, as the dense method is faster."""

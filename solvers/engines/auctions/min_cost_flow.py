@@ -1,18 +1,12 @@
 """Engine ``min-cost-flow``: assignments as flows, OR-Tools' network code, with prices that prove them."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from ....formulations.auctions.bin_assignment import BinAssignment
 from ....formulations.programs.exactness import Exactness, Link
 from ....formulations.stop import Stop
 from ...backend import BACKENDS, Control, Options, RawResult
 from ._bin_engine import BinEngine
-
-if TYPE_CHECKING:
-    from ....formulations.auctions.bin_assignment import BinAssignment
 
 BITS = 38
 """Bits of the range of costs in whole numbers: the solver multiplies them by the number of nodes."""

@@ -1,7 +1,5 @@
 """Engines ``task-subsets`` and ``part-subsets``: optimal paths, or partitions, of a few tasks, from the cost of every set of tasks."""
 
-from __future__ import annotations
-
 import math
 from typing import cast
 

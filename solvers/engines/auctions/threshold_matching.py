@@ -1,21 +1,16 @@
 """Engine ``threshold-matching``: assignments of the least largest cost, proved by the robots and bins that meet all cheaper pairs."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ....formulations.auctions.bin_assignment import BinAssignment
 from ....formulations.auctions.matching import largest_matching
 from ....formulations.evidence import Evidence
 from ....formulations.stop import Stop
 from ...backend import BACKENDS, Control, Options, RawResult
 from ._bin_engine import BinEngine
-
-if TYPE_CHECKING:
-    from ....formulations.auctions.bin_assignment import BinAssignment
 
 
 @BACKENDS.register("threshold-matching")

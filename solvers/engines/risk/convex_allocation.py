@@ -1,7 +1,5 @@
 """Engine ``convex-allocation``: decisions and risks in one convex program, closed by successive tangents to a certified interval."""
 
-from __future__ import annotations
-
 import copy
 import math
 from dataclasses import replace

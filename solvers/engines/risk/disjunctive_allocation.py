@@ -1,7 +1,5 @@
 """Disjunctive allocation: chance constraints with alternatives, such as sides of obstacles, by branch and bound over convex ones."""
 
-from __future__ import annotations
-
 import heapq
 import math
 from dataclasses import dataclass, field, replace

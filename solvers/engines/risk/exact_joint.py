@@ -4,8 +4,6 @@ Its gradient is the density of a constraint at its limit, times the probability 
 (1992), over a lattice rule with random shifts (Richtmyer's, Cranley and Patterson 1976).
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any, ClassVar
 

@@ -6,8 +6,6 @@ variance to the goal added, is dominated at the goal leads nowhere. A dominated 
 same to both, and a loop that this closes can be cut out.
 """
 
-from __future__ import annotations
-
 import heapq
 import math
 from dataclasses import dataclass

@@ -1,7 +1,5 @@
 """Engines of risky paths, exact for every risk element: ``risk-labels`` and ``path-enumeration``."""
 
-from __future__ import annotations
-
 import math
 
 from ....formulations.problem import Problem

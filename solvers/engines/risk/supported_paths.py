@@ -6,8 +6,6 @@ whether another lies below (Aneja and Nair 1979); where even the corner that the
 best path known, nobody asks.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -1,18 +1,13 @@
 """Searches of one routing problem side by side, of which the best answer counts: with seeds of their own, or beside other engines."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
+from ....formulations.routing.problem import RoutingProblem
 from ...backend import Control, Engine, Options, RawResult
 from .best_routes import BestRoutes, PartControl
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
 
 NEXT_SEED = 0xD1B54A32D192ED03
 """Difference between the seeds of two searches side by side: no two of 256 draw the same random numbers within 2^50 draws."""

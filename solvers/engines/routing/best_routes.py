@@ -1,18 +1,14 @@
 """The best of the answers that several searches find for one routing problem, and the line to each of these searches."""
 
-from __future__ import annotations
-
 import threading
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from ....formulations.evaluation import Evaluation
+from ....formulations.evidence import Evidence
+from ....formulations.routing.problem import RoutingProblem
+from ....formulations.routing.routes import Routes
 from ....formulations.tolerance import same
 from ...backend import Control
-
-if TYPE_CHECKING:
-    from ....formulations.evaluation import Evaluation
-    from ....formulations.evidence import Evidence
-    from ....formulations.routing.problem import RoutingProblem
-    from ....formulations.routing.routes import Routes
 
 
 class BestRoutes:

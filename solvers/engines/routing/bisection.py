@@ -9,26 +9,22 @@ Levels of the objective before the largest route, as in ``Reward().then(Makespan
 counts where it is no worse at them. Levels after it are searched for last, under the best limit.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from abc import abstractmethod
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
+from ....formulations.problem import Problem
 from ....formulations.programs.exactness import Exactness, Link
 from ....formulations.routing.objective import Composable, Objective, TotalCost, TotalDuration, Weighted
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.routing.reachability import unreachable
 from ....instances.errors import UnsupportedError
 from ...backend import Control, Engine, Options, RawResult
 from .best_routes import BestRoutes, PartControl
 from .extents import largest_distance, largest_duration
 from .routing_objective import MAXIMA, longest_stay, stops_between
-
-if TYPE_CHECKING:
-    from ....formulations.problem import Problem
-    from ....formulations.routing.problem import RoutingProblem
 
 NEAR = 1e-3
 """Part of the best value to which the ends are brought together; then any better value is asked for."""
@@ -92,7 +88,7 @@ class Bisecting(Engine):
         """Whether a problem is solved by bisection, as a sequence of others."""
         return isinstance(self._bisection(problem), Bisection)
 
-    def _bisection(self, problem: RoutingProblem) -> Bisection | frozenset[str] | None:
+    def _bisection(self, problem: RoutingProblem) -> "Bisection | frozenset[str] | None":
         if self.own_maxima and not self.beyond(problem):
             return None
         bisection = Bisection.of(self, problem)
@@ -123,7 +119,7 @@ class Bisection:
     objective: Objective
 
     @classmethod
-    def of(cls, engine: Bisecting, problem: RoutingProblem) -> Bisection | frozenset[str] | None:
+    def of(cls, engine: Bisecting, problem: RoutingProblem) -> "Bisection | frozenset[str] | None":
         """None where the objective has none of ``MAXIMA``; the features in the way where one cannot be replaced by a limit."""
         levels = problem.objective.levels()
         held = {term.name for level in levels for _, term in level.terms} & set(MAXIMA)

@@ -1,13 +1,14 @@
 """Branch, price and cut as an engine: the best routes, and a tree that proves them."""
 
-from __future__ import annotations
-
 import math
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
+from ....formulations.evidence import Evidence
+from ....formulations.problem import Problem
 from ....formulations.programs.exactness import Exactness
 from ....formulations.routing.objective import PEAKS
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.routing.routes import Routes
 from ....formulations.stop import Stop
 from ....formulations.tolerance import same
@@ -23,11 +24,6 @@ from ...bounds.routing.largest_limits import LimitSearch
 from ...bounds.routing.memory_shares import least_limit
 from ...bounds.routing.set_partition import set_partition
 from ...bounds.routing.stabilisation import KINDS
-
-if TYPE_CHECKING:
-    from ....formulations.evidence import Evidence
-    from ....formulations.problem import Problem
-    from ....formulations.routing.problem import RoutingProblem
 
 LEAST = {"columns": 1, "labels": 2, "memory": 0, "enumeration": 0}
 """Smallest values of its options."""

@@ -1,7 +1,5 @@
 """The largest distances and durations of a travel, and few numbers that stand for all of them, without a look at all pairs."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator
 from functools import partial

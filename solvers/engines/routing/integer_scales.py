@@ -1,7 +1,5 @@
 """Scales that turn data into whole numbers, each rounded to its safe side."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass

@@ -1,15 +1,14 @@
 """The OR-Tools routing library: insertion heuristics, local search and guided local search."""
 
-from __future__ import annotations
-
 import time
 from collections import Counter
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.routing.routes import Route, Routes
 from ....instances.errors import UsageError
 from ...backend import BACKENDS, Control, Options, RawResult
@@ -19,9 +18,6 @@ from .ortools_model import Model
 from .pace import Pace
 from .routing_integers import IntegerRouting, entangled, integer_routing, with_slope
 from .routing_objective import awaited, claimed_objective, stops_between, unscalable
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
 
 STATUS_MAP = {
     "ROUTING_NOT_SOLVED": ("unknown", "none"),

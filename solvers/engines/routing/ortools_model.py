@@ -1,22 +1,18 @@
 """Routing problems as models of the OR-Tools routing library."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Callable, Iterator
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.routing.routes import Route, Routes
 from .integer_scales import UNLIMITED, Integers
 from .ortools_stops import Stop, add_loads, add_stores, count_routes, stops_on_the_way
 from .routing_integers import IntegerRouting
 from .routing_objective import stops_between
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
 
 TIMED = frozenset(
     {

@@ -4,18 +4,14 @@ Loads on board, and what a store has given since it was full, are dimensions of 
 begin with there; elsewhere there is none.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
+from ....formulations.routing.problem import RoutingProblem
 from .integer_scales import Integers
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,5 @@
 """How often an engine hands out incumbents."""
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager

@@ -4,26 +4,22 @@ Data of extraordinary size are first brought to an ordinary one by a power of tw
 all others by 1e6, consumption up and limits down, so that whatever is feasible for the integers is feasible for the data.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ....formulations.programs.exactness import Exactness, Link
+from ....formulations.routing.problem import RoutingProblem
 from ....instances.errors import InputError
+from ....instances.routing.travel import Travel
 from .extents import distances_of
 from .integer_scales import FINE, UNLIMITED, Floats, Integers, Scale, Strips, plain, scale_of, whole
 from .routing_objective import Scalar, scalarised, stops_between
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
-    from ....instances.routing.travel import Travel
 
 _PRECISE = 10_000
 """Least price of a unit of time that no power of ten makes whole."""

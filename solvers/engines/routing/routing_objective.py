@@ -1,21 +1,16 @@
 """Objectives as one sum, for engines that minimise a single number."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, fields
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ....formulations.checking.granularity import grain
+from ....formulations.routing.objective import Weighted
+from ....formulations.routing.problem import RoutingProblem
 from ....instances.errors import UnsupportedError
 from .extents import largest_distance, largest_duration
 from .integer_scales import Floats
-
-if TYPE_CHECKING:
-    from ....formulations.routing.objective import Weighted
-    from ....formulations.routing.problem import RoutingProblem
 
 MAXIMA = ("makespan", "longest-route", "latest-return")
 """Terms that are the largest value of a route."""
@@ -39,10 +34,10 @@ class Scalar:
     prize: Floats
     maxima: Floats
 
-    def __add__(self, other: Scalar) -> Scalar:
+    def __add__(self, other: "Scalar") -> "Scalar":
         return Scalar(*(getattr(self, f.name) + getattr(other, f.name) for f in fields(self)))
 
-    def __mul__(self, weight: float) -> Scalar:
+    def __mul__(self, weight: float) -> "Scalar":
         return Scalar(*(getattr(self, f.name) * weight for f in fields(self)))
 
     @property

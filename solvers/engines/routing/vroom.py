@@ -10,13 +10,14 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from datetime import timedelta
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from ....formulations.checking.granularity import grain
 from ....formulations.programs.exactness import Exactness
 from ....formulations.routing.objective import Objective, TotalCost
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.routing.routes import Route, Routes
 from ....instances.errors import UsageError
 from ...backend import BACKENDS, Control, Options, RawResult
@@ -24,9 +25,6 @@ from .bisection import USUAL_FEATURES, Bisecting
 from .integer_scales import UNLIMITED, Floats, Integers
 from .routing_integers import IntegerRouting, entangled, fitting_integers
 from .routing_objective import awaited, claimed_objective, unscalable
-
-if TYPE_CHECKING:
-    from ....formulations.routing.problem import RoutingProblem
 
 FINE = (1_000_000, 100_000, 10_000, 1_000, 100, 10)
 """Scales of data that three decimals cannot hold: the first that leaves room."""

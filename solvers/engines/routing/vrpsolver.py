@@ -3,8 +3,6 @@
 The wrapper is under the MIT licence; the authors of the engine in it, BaPCod, offer it for research, teaching and tests.
 """
 
-from __future__ import annotations
-
 import importlib.util
 import math
 import os
@@ -16,11 +14,13 @@ from collections.abc import Callable, Iterable, Iterator
 from contextlib import chdir, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ....formulations.problem import Problem
+from ....formulations.routing.problem import RoutingProblem
 from ....formulations.routing.reachability import unreachable
 from ....formulations.routing.routes import Route, Routes
 from ....instances.errors import InputError, UnsupportedError
@@ -30,10 +30,6 @@ from ...isolation import run_in_process
 from .integer_scales import UNLIMITED
 from .routing_integers import IntegerRouting, fitting_integers
 from .routing_objective import awaited, claimed_objective, unscalable
-
-if TYPE_CHECKING:
-    from ....formulations.problem import Problem
-    from ....formulations.routing.problem import RoutingProblem
 
 LIBRARIES = {"Linux": "libbapcod-shared.so", "Darwin": "libbapcod-shared.dylib", "Windows": "bapcod-shared.dll"}
 """File of the engine by operating system, in a folder of the wheel that is named for the system."""

@@ -1,3 +1,4 @@
+import math
 from pathlib import Path
 from typing import Any
 
@@ -8,7 +9,7 @@ import waybound as wb
 from waybound.reports.campaigns.counting import counted
 from waybound.reports.campaigns.frames import results
 from waybound.reports.campaigns.results_file import ResultsFile
-from waybound.reports.campaigns.summary import Summary, summary_of, summary_table
+from waybound.reports.campaigns.summary import Summary, primal_integrals, summary_of, summary_table
 
 
 def summary(folder: Path, *runs: Any) -> Summary:
@@ -53,3 +54,17 @@ def test_proofs_and_claims_are_told_apart(tmp_path: Path) -> None:
         (planned("b", "x"), outcome(status="optimal", bound_kind="claimed")),
     )  # fmt: skip
     assert (made.methods[0].proved, made.methods[0].claimed) == (1, 1)
+
+
+def test_each_run_is_measured_up_to_its_limit_against_the_best_that_is_known(tmp_path: Path) -> None:
+    path = tmp_path / "r.sqlite"
+    history = [[0.5, "solve", None, [1.0], "claimed", "x"], [1.0, "solve", [10.0], None, None, "x"], [3.0, "check", [5.0], None, None, "x"]]
+    with ResultsFile(path) as file:
+        file.add(planned("a", "x", time_limit=10.0), outcome(5.0, history))
+        file.add(planned("a", "y", time_limit=10.0), outcome(1.0, history, faults=1, checked=0))
+        file.add(planned("b", "x", time_limit=10.0), outcome(None, status="unknown"))
+        file.add(planned("c", "x", time_limit=10.0), outcome(5.0, history, sense="max"))
+    runs = counted(results(path), {("hash-c", planned().setting.reading): [(None, "max", 10.0)]})
+    made = dict(zip(zip(runs["instance"], runs["method"], strict=True), primal_integrals(runs, path), strict=True))
+    assert made["a", "x"] == pytest.approx(1.0 + 2.0 * 0.5) and made["a", "y"] == 10.0 and math.isnan(made["b", "x"])
+    assert made["c", "x"] == pytest.approx(1.0 + 7.0 * 0.5)

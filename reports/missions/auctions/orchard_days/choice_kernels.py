@@ -3,8 +3,6 @@
 Costs are whole steps, one row a robot, one column a bin, both in ascending order of their numbers; plans give a column a row, -1 for none.
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from .....formulations.kernels import kernel

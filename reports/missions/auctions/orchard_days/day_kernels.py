@@ -1,7 +1,5 @@
 """A whole day in the orchard as one compiled loop. Imports numba: import it inside functions only."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from .....formulations.kernels import inner, kernel

@@ -1,7 +1,5 @@
 """Days played by the compiled loop."""
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

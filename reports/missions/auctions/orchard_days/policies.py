@@ -1,7 +1,5 @@
 """Rules of robots in the orchard, decided step by step: which bins they fetch, and where they bring new ones."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 
 import numpy as np

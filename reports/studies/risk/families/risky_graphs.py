@@ -1,7 +1,5 @@
 """Risky paths whose optimum is enumerated: random maps, and ones on which the least risky way is not the most rewarding one."""
 
-from __future__ import annotations
-
 from functools import partial
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Paths of uncertain cost whose optimum is known: random graphs and roadmaps at one risk each, and graphs made to mislead."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from functools import partial
 

@@ -1,7 +1,5 @@
 """Optima of small routing problems, by enumeration."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Routing problems: random ones whose optimum is enumerated, and ones on which tours and their cuts do badly."""
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterator
 from functools import partial
 from typing import Any

@@ -1,7 +1,5 @@
 """Bottleneck problems of divisible robots: random graphs, and those on which the local algorithm attains its bound."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from functools import partial

@@ -1,7 +1,5 @@
 """Optima of small selection and max-min problems: by enumeration, or by a linear program whose duals are multiplied out."""
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Sequence

@@ -1,7 +1,5 @@
 """Random selection problems: each kind of function under each of the three constraints, sensing graphs, and good answers among decoys."""
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 

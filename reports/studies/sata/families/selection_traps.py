@@ -1,7 +1,5 @@
 """Selection problems on which greedy rules do as badly as is known, with their optima by construction."""
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import replace
 from functools import partial
@@ -79,7 +77,7 @@ NEEDLES = replace(
     ),
     effort=15,
 )
-"""What samples miss is lost: with eps = 0.1 the published size finds 72 % for large k, a quarter of it 37 %, where 53 % are stated."""
+"""Elements in no sample are lost: with eps = 0.1 the published size finds 72 % for large k, a quarter of it 37 %, where 53 % are stated."""
 
 
 # -- a partition matroid ----------------------------------------------------------------------------------------------
@@ -166,7 +164,7 @@ SHARED_TARGETS = listed(
         *(partial(_shared, count, 0.99, True) for count in (2, 3, 5, 8, 12)),
     ],
 )
-"""Who forgets what others took is at the shared target with all others: 1, where the optimum of n robots is 1 + (n - 1) share."""
+"""Robots that do not know what others took all go to the shared target: 1, where the optimum of n robots is 1 + (n - 1) share."""
 
 
 # -- a knapsack -------------------------------------------------------------------------------------------------------

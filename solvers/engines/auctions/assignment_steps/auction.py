@@ -1,20 +1,15 @@
 """Bertsekas' auction with epsilon scaling, in whole numbers: assignments of the least cost, and the prices that prove it."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .....formulations.auctions.bin_assignment import BinAssignment
 from .....formulations.evidence import Evidence
 from .....formulations.stop import NEVER, Stop
 from .....instances.number_arrays import BLOCK
 from .sides import Floats, Side, Wholes, joined, proof, sides
-
-if TYPE_CHECKING:
-    from .....formulations.auctions.bin_assignment import BinAssignment
 
 FACTOR = 10
 """Factor by which epsilon falls from phase to phase."""

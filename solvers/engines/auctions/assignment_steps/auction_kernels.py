@@ -1,7 +1,5 @@
 """Bertsekas' auction in whole numbers, compiled. Imports numba: import it inside functions only."""
 
-from __future__ import annotations
-
 import numpy as np
 
 from .....formulations.kernels import inner, kernel

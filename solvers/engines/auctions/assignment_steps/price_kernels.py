@@ -1,7 +1,5 @@
 """Prices of a known assignment by shortest paths, compiled. Imports numba: import it inside functions only."""
 
-from __future__ import annotations
-
 from .....formulations.kernels import kernel
 from .....formulations.stop_kernel import asked
 

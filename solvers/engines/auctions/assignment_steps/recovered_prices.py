@@ -1,18 +1,12 @@
 """Prices that prove an assignment optimal, for methods that find none."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
 import numpy as np
 
+from .....formulations.auctions.bin_assignment import BinAssignment
 from .....formulations.evidence import Evidence
 from .....formulations.stop import Stop
 from .auction import whole_costs
 from .sides import Floats, Side, Wholes, proof, sides, split
-
-if TYPE_CHECKING:
-    from .....formulations.auctions.bin_assignment import BinAssignment
 
 BITS = 56
 """Bits of the range of costs in whole numbers."""

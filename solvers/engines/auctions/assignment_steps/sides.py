@@ -1,23 +1,19 @@
 """A bin assignment as one or two in which every row can have a column, and the prices of the whole from theirs."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from .....formulations.auctions.bin_assignment import BinAssignment
 from .....formulations.auctions.matching import surplus_rows
 from .....formulations.evidence import Evidence
 from .....formulations.stop import Stop
 from .....formulations.tolerance import same
 from .....instances.number_arrays import BLOCK, Spread, spread
-
-if TYPE_CHECKING:
-    from .....formulations.auctions.bin_assignment import BinAssignment
 
 Floats = NDArray[np.float64]
 Wholes = NDArray[np.int64]

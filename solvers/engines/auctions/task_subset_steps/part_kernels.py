@@ -1,7 +1,5 @@
 """Costs of parts of a partition, and partitions of the least spread, compiled. Imports numba: import it inside functions only."""
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

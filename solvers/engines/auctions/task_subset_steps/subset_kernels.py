@@ -3,8 +3,6 @@
 A set is a whole number whose bit t says whether task t is in it. Imports numba: import it inside functions only.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

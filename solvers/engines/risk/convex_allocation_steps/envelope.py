@@ -11,8 +11,6 @@ Where less risk is worth something, pieces are taken in their order, as the firs
 ``formulations/risk/forms/piecewise.py`` with as many rows as there are chance constraints and budgets, however many tangents it has.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

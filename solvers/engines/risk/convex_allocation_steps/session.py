@@ -1,7 +1,5 @@
 """Sessions: convex programs that are solved again and again with further rows or other sides, by HiGHS from where it stood, or Clarabel."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, field
 from typing import Any, Protocol

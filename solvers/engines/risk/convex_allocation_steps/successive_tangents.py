@@ -7,8 +7,6 @@ decisions that keeps the budgets bounds the cost from above. Tangents at both ar
 (Kelley 1960, on a separable convex function).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

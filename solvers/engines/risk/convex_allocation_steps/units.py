@@ -1,7 +1,5 @@
 """Units in which the numbers of a risk allocation are near 1, as solvers count: powers of two, so that nothing is rounded."""
 
-from __future__ import annotations
-
 import copy
 import math
 from dataclasses import dataclass
@@ -34,7 +32,7 @@ class Units:
     terms: tuple[float, ...]
 
     @classmethod
-    def of(cls, p: RiskAllocation) -> Units:
+    def of(cls, p: RiskAllocation) -> "Units":
         """The units of a problem; all 1 where its numbers are ordinary."""
         rows, chance = p.rows, p.chance
         sides = np.concatenate([np.where(np.isfinite(p.row_upper), p.row_upper, np.where(np.isfinite(p.row_lower), p.row_lower, 0.0)),

@@ -7,8 +7,6 @@ that the first walk without repetition is a best path. Sources: Xiao (2019), sec
 for states added as they are needed; docs/formulations/risky-path.md#labels-with-memory.
 """
 
-from __future__ import annotations
-
 import heapq
 import itertools
 import math

@@ -5,8 +5,6 @@ state behind it that the other has not. Where the last reward alone counts (disc
 matters. Source: Xiao (2019), section 4.1; docs/formulations/risky-path.md#most-reward-per-risk.
 """
 
-from __future__ import annotations
-
 import heapq
 import itertools
 import math

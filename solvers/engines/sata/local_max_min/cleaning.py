@@ -1,7 +1,5 @@
 """Sensing graphs as the local algorithm works on them: without what cannot matter, laid out robot after robot."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import NamedTuple

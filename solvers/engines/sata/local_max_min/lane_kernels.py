@@ -3,8 +3,6 @@
 Imports numba: import it inside functions only.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from typing import Any
 

@@ -1,7 +1,5 @@
 """Smoothing and solution of the layered program, one layer a pass over the edges. Imports numba: import it inside functions only."""
 
-from __future__ import annotations
-
 import math
 
 from .....formulations.kernels import kernel

@@ -11,8 +11,6 @@ the same bits as the whole. R(v, d - 1) itself counts in B(v, d) only if nobody 
 again. So it is cut where it is far below 0: products of weights over h layers would bury the rest under its rounding.
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

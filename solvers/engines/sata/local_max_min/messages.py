@@ -9,8 +9,6 @@ It earns its place beside the arrays by what only it can show: that the algorith
 being written from the robots' side without those arrays, that they compute what the robots would (the tests compare share by share).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

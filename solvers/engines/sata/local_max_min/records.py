@@ -1,7 +1,5 @@
 """The arrays that the compiled loops of the local algorithm work on, by name."""
 
-from __future__ import annotations
-
 from typing import NamedTuple
 
 import numpy as np

@@ -4,8 +4,6 @@ All robots run the same programme in step; ``messages`` carries what they say. E
 robots, as in the version over arrays, so that the two agree.
 """
 
-from __future__ import annotations
-
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Generator, Iterable, Mapping, Sequence

@@ -1,7 +1,5 @@
 """The search of the local algorithm: for every action the largest level, found or nearly, that is valid for its tree."""
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

@@ -1,7 +1,5 @@
 """The local algorithm for all robots at once, over arrays: O(h) work an edge and level."""
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

@@ -128,9 +128,9 @@ def test_a_field_of_ones_own(tmp_path):
     path.write_text("1,2,3\n4,5\n")
     with pytest.raises(InputError, match="cannot be read as a table"):
         read_field(str(path))
-    for text in ("", "###\n###\n"):
+    for text, message in (("", "is empty"), ("###\n###\n", "cannot be read as a table of numbers")):
         path.write_text(text)
-        with pytest.raises(InputError, match="cannot be read as a table of numbers"):
+        with pytest.raises(InputError, match=message):
             read_field(str(path))
     path.write_text("1,-2,3\n4,5,6\n")
     with pytest.raises(InputError, match="finite intensities of at least 0"):

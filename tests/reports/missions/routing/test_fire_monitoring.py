@@ -6,10 +6,12 @@ from hypothesis import given, strategies as st
 import waybound as wb
 from waybound.instances.errors import UsageError
 from waybound.instances.routing.worlds.fire_monitoring import Hotspots
-from waybound.reports.missions.routing._fire_paths import advanced, cheapest_paths, corners
 from waybound.reports.missions.routing.fire_monitoring import (
     FireMonitoring,
+    advanced,
+    cheapest_paths,
     circling_heading,
+    corners,
     least_possible,
     weighted_scores,
 )

@@ -1,6 +1,4 @@
-"""Tables of risk allocations: budgets, and the risks of an answer."""
-
-from __future__ import annotations
+"""Facts of problems of risk as rows of a table, and the risks of an allocation."""
 
 from typing import Any
 
@@ -9,6 +7,20 @@ from ....formulations.risk.risk_allocation import RiskAllocation
 from .. import TABLES, Tables
 from ..answers import SHOWN_ROWS
 from ..table import Column, Row, Table
+
+
+def _graph(g: dict[str, Any]) -> list[Row]:
+    shared = f", {g['shared_costs']} of them at the cost of another" if g["shared_costs"] else ""
+    (fewest, most), (low, high), (least, largest) = g["out_degree"], g["means"], g["variances"]
+    return [
+        ("vertices", f"{g['vertices']}, each left by {fewest} to {most} edges"),
+        ("edges", f"{g['edges']}{shared}: means {low:.6g} to {high:.6g}, variances {least:.6g} to {largest:.6g}"),
+        ("from, to", f"{g['start']}, {g['goal']}"),
+        ("positions", "of all vertices" if g["positions"] else "none"),
+    ]
+
+
+TABLES.add("uncertain-path", Tables({"graph": _graph}))
 
 
 def _budgets(budgets: dict[str, float]) -> list[Row]:

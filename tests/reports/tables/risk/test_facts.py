@@ -1,5 +1,8 @@
+import networkx as nx
 from risk_problems import problem
+from uncertain_graphs import WORKED, graph_of
 
+import waybound as wb
 from waybound.formulations.risk.allocations import Allocation
 from waybound.reports.tables.answers import answer_tables
 from waybound.reports.tables.facts import facts, facts_table
@@ -24,3 +27,19 @@ def test_budgets_are_told() -> None:
     assert rows["budgets"] == "total 0.1, arm 0.02"
     many = [{"name": f"b{k}", "constraints": ["1"], "risk": 0.02} for k in range(6)]
     assert dict(facts_table(facts(problem(risk__budgets=many))).rows)["budgets"] == "7, the first total of 0.1"
+
+
+def test_a_graph_is_told_by_sizes_and_ranges():
+    rows = dict(facts_table(facts(wb.UncertainPath(graph_of(WORKED), 0.5))).rows)
+    expected = {
+        "problem": "uncertain-path, min mean + 0 x standard deviation", "vertices": "7, each left by 0 to 2 edges",
+        "edges": "10: means 10 to 102, variances 1 to 9", "from, to": "S, G", "positions": "none",
+    }  # fmt: skip
+    assert {name: rows[name] for name in expected} == expected
+
+
+def test_edges_that_share_a_cost_are_told():
+    graph = nx.Graph()
+    graph.add_edge("a", "b", mean=1, variance=1)
+    rows = dict(facts_table(facts(wb.UncertainPath(wb.UncertainGraph.from_networkx(graph, start="a", goal="b")))).rows)
+    assert rows["edges"] == "2, 1 of them at the cost of another: means 1 to 1, variances 1 to 1"
