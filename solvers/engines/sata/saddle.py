@@ -36,7 +36,8 @@ MOST_LAYERS = 1000
 @BACKENDS.register("saddle")
 class Saddle(Engine):
     """Work on the targets that fall short of a proved bound, and where all of them matter first-order methods or an interior point; bounds
-    from balls and prices. Programs with several packing rows a variable go to ``PackingCovering``.
+    from balls and prices. Programs with several packing rows a variable, and min-max ones, go to
+    ``PackingCovering``.
 
     ``iterations`` counts passes over the graph, of which a first-order step is one and of the interior point many. Option ``h``:
     start from the local algorithm with so many layers instead of robots that divide themselves evenly (0, the default, as the local
@@ -51,7 +52,7 @@ class Saddle(Engine):
     bounds_itself = True
     options: ClassVar[Mapping[str, Any]] = {"h": 0}
     family = "max-min"
-    features = frozenset({"sensing", "packing-covering", "several-packing-rows"})
+    features = frozenset({"sensing", "packing-covering", "several-packing-rows", "min-max"})
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
         """See ``Engine.run``."""
@@ -61,9 +62,10 @@ class Saddle(Engine):
         h: int = self.converted(options).extra.get("h", 0)
         if not 0 <= h <= MOST_LAYERS:
             raise UsageError(f"saddle: h must be a whole number from 0 to {MOST_LAYERS}, not {h!r}", "out-of-range")
-        if "several-packing-rows" in problem.features():
+        if problem.features() & {"several-packing-rows", "min-max"}:
             if h:
-                raise UsageError("saddle: h, a start from the local algorithm, needs variables of one packing row each", "out-of-range")
+                message = "saddle: h, a start from the local algorithm, needs a max-min program and variables of one packing row each"
+                raise UsageError(message, "out-of-range")
             _compile("sums", "packing_covering")
             return search_rows(problem, options, control, LEAST_GAP)  # type: ignore[arg-type]
         task = _Task(problem)

@@ -1,4 +1,4 @@
-"""Max-min programs whose variables stand in several packing rows: a restarted primal-dual method, anytime on both sides."""
+"""Programs of packing and covering rows in general, max-min and min-max: a restarted primal-dual method, anytime on both sides."""
 
 from __future__ import annotations
 
@@ -28,20 +28,23 @@ class PackingCovering:
     The primal-dual hybrid gradient method on ``max over x >= 0, min over y, z >= 0 with sum y = 1: y'C x - z'(A x - 1)``, with the
     diagonal preconditioners of Pock and Chambolle (2011), reflected Halpern steps (Lu and Yang 2024), and restarts that weigh the steps
     of the two sides anew (Applegate et al. 2021). ``answer`` is feasible and worth ``value``, ``prices`` prove ``bound``; both are the
-    best so far. ``news(game, what)`` is called with ``answer`` or ``bound`` when there is a better one.
+    best so far. ``news(game, what)`` is called with ``answer`` or ``bound`` when there is a better one. A min-max program is the same one:
+    covering by 1 what is covered by ``value`` takes 1 / ``value`` of the most that is packed; see ``objective`` and ``own``.
     docs/saddle.md#several-packing-rows-a-variable.
 
     Raises
     ------
     UnsupportedError
-        If coefficients are so far apart that no double holds their quotients.
+        If coefficients are so far apart that no double holds their quotients, or a variable of a min-max program covers for nothing.
     """
 
     def __init__(
         self, problem: MaxMinLP, start: Floats | None = None, news: Callable[[PackingCovering, str], Any] = lambda game, what: None,
         threads: int = 1,
     ) -> None:  # fmt: skip
-        self._packing, self._news = problem.packing.rows, news
+        self._packing, self._news, self._least = problem.packing.rows, news, problem.sense == "min"
+        if self._least and len(np.setdiff1d(problem.covering.indices, problem.packing.indices)):
+            raise UnsupportedError("saddle", {"variables that cover without a packing row"})
         self._lay_out(problem)
         self._threads = Threads(threads, 2.0 * len(self._rows[1]))
         self._between = np.empty(len(self._columns[0]) - 1), np.empty(len(self._rows[0]) - 1)
@@ -121,14 +124,20 @@ class PackingCovering:
         """Whether value and bound are within the relative ``gap``."""
         return self.value >= self.bound / (1.0 + gap)
 
-    def own(self, x: Floats) -> Floats:
-        """The problem's own variables."""
-        return np.asarray(x * self._scale)
+    @property
+    def own(self) -> Floats:
+        """The answer in the problem's own variables."""
+        return np.asarray(self.answer * self._scale) / (self.value if self._least else 1.0)
+
+    @property
+    def objective(self) -> tuple[float, float]:
+        """Value and bound of the problem."""
+        return (1.0 / self.value, (1.0 - 4.0 * _EPS) / self.bound) if self._least else (self.value, self.bound)
 
     def evidence(self) -> Evidence:
         """Evidence of the best bound."""
         data = {"covering": self.prices[self._packing :].tolist(), "packing": self.prices[: self._packing].tolist()}
-        return Evidence("packing-covering-duals", "prices of packing and covering rows", self.bound, data)
+        return Evidence("packing-covering-duals", "prices of packing and covering rows", self.objective[1], data)
 
     def _look(self) -> None:
         """Make the last plain step feasible on both sides, and keep what is better than before."""
@@ -169,9 +178,9 @@ def search_rows(problem: MaxMinLP, options: Options, control: Control, least_gap
 
     def news(game: PackingCovering, what: str) -> None:
         if what == "answer":
-            control.publish(game.own(game.answer), game.value)
+            control.publish(game.own, game.objective[0])
         else:
-            control.publish(bound=game.bound, evidence=(game.evidence(),))
+            control.publish(bound=game.objective[1], evidence=(game.evidence(),))
 
     game = PackingCovering(problem, start if usable else None, news, options.threads)
     game.run(stop, max(options.gap, least_gap), math.inf if options.iterations is None else options.iterations)
@@ -181,6 +190,5 @@ def search_rows(problem: MaxMinLP, options: Options, control: Control, least_gap
         statistics["start"] = "used" if usable else "ignored"
     limit = "none" if optimal else "gap" if game.closed(options.gap) else stop.reached() or "iterations"
     return RawResult(
-        "optimal" if optimal else "feasible", limit, game.own(game.answer), game.value, game.bound, statistics=statistics,
-        evidence=(game.evidence(),),
+        "optimal" if optimal else "feasible", limit, game.own, *game.objective, statistics=statistics, evidence=(game.evidence(),),
     )  # fmt: skip

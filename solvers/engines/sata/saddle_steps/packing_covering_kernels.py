@@ -60,7 +60,8 @@ def steps(  # type: ignore[no-untyped-def] # pragma: no cover - compiled
 
 @kernel("f8(i4[::1], i4[::1], f8[::1], i4[::1], i4[::1], i8, f8[::1])")
 def scale_down(starts, columns, entries, column_starts, rows, packing, x):  # type: ignore[no-untyped-def] # pragma: no cover - compiled
-    """Divide each entry of ``x`` by the most overfull packing row that it stands in, in place; returns the least coverage then.
+    """Divide each entry of ``x`` by the most overfull packing row that it stands in, and then all by the fullest row, in place; returns the
+    least coverage then.
 
     A row full to f > 1 loses the factor f at least in all of its entries, so that it is kept.
     """
@@ -76,7 +77,7 @@ def scale_down(starts, columns, entries, column_starts, rows, packing, x):  # ty
             if rows[k] < packing:
                 most = max(most, full[rows[k]])
         x[v] /= most
-    least, fullest = np.inf, 1.0
+    least, fullest = np.inf, 0.0
     for r in range(len(starts) - 1):
         load = 0.0
         for k in range(starts[r], starts[r + 1]):
@@ -85,6 +86,10 @@ def scale_down(starts, columns, entries, column_starts, rows, packing, x):  # ty
             fullest = max(fullest, load)
         else:
             least = min(least, load)
+    if fullest == 0.0:
+        return 0.0
+    for v in range(len(x)):
+        x[v] /= fullest
     return least / fullest
 
 

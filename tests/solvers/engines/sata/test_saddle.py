@@ -174,8 +174,6 @@ def test_programs_with_one_packing_row_a_variable(seed):
 def test_other_problems_are_refused_by_what_they_have():
     with pytest.raises(UnsupportedError, match="whole-actions"):
         solve(BottleneckSATA(random_graph(1)), "saddle")
-    with pytest.raises(UnsupportedError, match="min-max"):
-        Saddle().run(MaxMinLP(np.eye(2), np.ones((1, 2)), sense="min"), Options(), Control())
 
 
 # -- evidence ---------------------------------------------------------------------------------------------------------

@@ -40,13 +40,24 @@ def optimum(problem: wb.MaxMinLP) -> float:
 
 
 @settings(deadline=None, max_examples=draws(60))
-@given(st.integers(0, 10**6))
-def test_value_and_bound_close_around_the_optimum(seed: int) -> None:
-    problem = wb.MaxMinLP(*program(seed))
+@given(st.integers(0, 10**6), st.sampled_from(["max", "min"]))
+def test_value_and_bound_close_around_the_optimum(seed: int, sense: str) -> None:
+    problem = wb.MaxMinLP(*program(seed), sense=sense)
     result, best = run(problem, gap=1e-4, iterations=200_000), optimum(problem)
     assert "several-packing-rows" in problem.features() and result.limit in ("gap", "none")
-    assert result.objective <= best * (1 + 1e-7) and best <= result.bound * (1 + 1e-7)
-    assert result.bound <= result.objective * (1 + 1e-4)
+    low, high = sorted((result.objective, result.bound))
+    assert (low == result.objective) == (sense == "max") or low == high
+    assert low <= best * (1 + 1e-7) and best <= high * (1 + 1e-7) and high <= low * (1 + 1e-4)
+
+
+def test_one_row_a_variable_is_taken_where_the_most_is_made_least() -> None:
+    solution = wb.solve(wb.MaxMinLP(np.eye(2), [[1.0, 2.0]], sense="min"), "saddle", gap=1e-6)
+    assert solution.objective == pytest.approx(1 / 3, rel=1e-5) and solution.bound_kind == "verified" and solution.gap <= 1.1e-6
+
+
+def test_variables_that_cover_for_nothing_are_refused() -> None:
+    with pytest.raises(UnsupportedError, match="cover without a packing row"):
+        run(wb.MaxMinLP([[1.0, 0.0]], [[1.0, 1.0]], sense="min"))
 
 
 @settings(deadline=None, max_examples=draws(30))
@@ -107,17 +118,19 @@ def test_a_unit_changes_no_digit(exponent: int) -> None:
 
 @pytest.mark.parametrize("seed", range(20))
 @pytest.mark.parametrize("decades", [20, 120, 300])
-def test_coefficients_of_all_sizes_end_in_true_claims_or_are_refused(seed: int, decades: int) -> None:
+@pytest.mark.parametrize("sense", ["max", "min"])
+def test_coefficients_of_all_sizes_end_in_true_claims_or_are_refused(seed: int, decades: int, sense: str) -> None:
     rng = np.random.default_rng(seed)
     packing, covering = (np.where(m > 0, 10.0 ** rng.uniform(-decades, decades, m.shape), 0.0) for m in program(seed, 8))
+    problem = wb.MaxMinLP(packing, covering, sense=sense)
     try:
-        result = Saddle().run(wb.MaxMinLP(packing, covering), Options(iterations=300), Control())
+        result = Saddle().run(problem, Options(iterations=300), Control())
     except UnsupportedError as error:
         assert "quotients no double holds" in str(error) and decades > 20
         return
-    problem = wb.MaxMinLP(packing, covering)
     assert problem.evaluate(result.answer).feasible
-    assert 0.0 < result.objective <= result.bound * (1 + 1e-12)
+    low, high = (result.objective, result.bound) if sense == "max" else (result.bound, result.objective)
+    assert 0.0 < low <= high * (1 + 1e-12)
     assert verified_bound(problem, result.evidence[0]) == pytest.approx(result.bound, rel=1e-9)
 
 
@@ -143,6 +156,14 @@ def test_a_start_is_kept_and_one_that_is_none_ignored() -> None:
     assert run(problem, start=10 * good.answer, iterations=1).objective >= good.objective * (1 - 1e-9)
     for start in (np.full(problem.num_variables, np.nan), np.ones(3), np.zeros(problem.num_variables)):
         assert run(problem, start=start, iterations=1).statistics["start"] == "ignored"
+
+
+def test_a_start_of_a_min_max_program_is_kept() -> None:
+    packing, covering = program(3, 40)
+    problem = wb.MaxMinLP(packing, covering, sense="min")
+    good = run(problem, gap=1e-3)
+    again = run(problem, start=good.answer, iterations=1)
+    assert again.statistics["start"] == "used" and again.objective <= good.objective * (1 + 1e-12)
 
 
 @pytest.mark.parametrize("iterations", [1, 37, 400])
