@@ -50,13 +50,23 @@ def bindings(*nodes: ast.AST) -> Iterator[tuple[str, Any]]:
                 yield getattr(target, "arg", "") or ast.unparse(target), bound
 
 
+class Unquoted(ast.NodeTransformer):
+    """Annotations as they read without quotes."""
+
+    def visit_Constant(self, node: ast.Constant) -> ast.AST:
+        return ast.parse(node.value, mode="eval").body if isinstance(node.value, str) else node
+
+
 @cache
 def source(module: str) -> tuple[ast.Module, list[str]]:
     """The syntax tree of a module, and the names of the packages that it is in."""
     spec = importlib.util.find_spec(module)
     assert spec is not None and spec.origin is not None
-    parts = module.split(".")
-    return ast.parse(Path(spec.origin).read_text(encoding="utf-8")), parts if spec.submodule_search_locations else parts[:-1]
+    parts, tree = module.split("."), ast.parse(Path(spec.origin).read_text(encoding="utf-8"))
+    for node, field in itertools.product(ast.walk(tree), ("annotation", "returns")):
+        if getattr(node, field, None):
+            setattr(node, field, Unquoted().visit(getattr(node, field)))
+    return tree, parts if spec.submodule_search_locations else parts[:-1]
 
 
 @cache
