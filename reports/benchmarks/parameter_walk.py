@@ -51,7 +51,14 @@ def bindings(*nodes: ast.AST) -> Iterator[tuple[str, Any]]:
 
 
 class Unquoted(ast.NodeTransformer):
-    """Annotations as they read without quotes."""
+    """Annotations as they read without quotes; values that they list, or tell beside the type, are none."""
+
+    def visit_Subscript(self, node: ast.Subscript) -> Any:
+        if isinstance(node.value, ast.Name) and node.value.id == "Literal":
+            return node
+        if isinstance(node.value, ast.Name) and node.value.id == "Annotated" and isinstance(node.slice, ast.Tuple):
+            return self.visit(node.slice.elts[0])
+        return self.generic_visit(node)
 
     def visit_Constant(self, node: ast.Constant) -> ast.AST:
         return ast.parse(node.value, mode="eval").body if isinstance(node.value, str) else node

@@ -127,7 +127,7 @@ class Portfolio(Engine):
             if {term.name for level in problem.objective.levels() for _, term in level.terms} == {"reward"}:
                 rich = Turn(RuinRecreate, 0.5, RUINS, {"worth": 4.0})
                 return [Turn(RuinRecreate, 0.4, RUINS), rich, Turn(PyVRP)]  # how much rewards are best taken for differs from file to file
-            # Bisection asks it again and again, each time for a part of its time; of groups it looks at many sites for each visit.
+            # Bisection asks ruin and recreate again and again, each time for a part of its time; in groups a ruin looks at many sites.
             if RuinRecreate().bisects(problem) or problem.sites.groups:
                 return [Turn(RuinRecreate, FIRST_SHARE, RUINS), Turn(PyVRP)]
             few = FEW_CUSTOMERS if "time-windows" in problem.features() else FEW_WITHOUT_WINDOWS

@@ -17,11 +17,14 @@ MODULES = {
             return number
         """,
     "solvers/backend.py": """
-        from typing import Any
+        from typing import Annotated, Any, Literal
         from ..formulations.problem import Problem
 
+        NAMES: Annotated["set[str]", "names of features"] = set()
+        WAYS: Literal["in any", "in order"] = "in any"
+
         class Backend:
-            def missing(self, problem: Problem) -> set[str]:
+            def missing(self, problem: "Problem") -> set[str]:
                 return problem.features()
 
         def solver_named(name: str) -> Backend:

@@ -26,7 +26,7 @@ STAGE = 10.0
 """Factor by which the gap shrinks, about, until the point is centred, so that it is worth what its products say."""
 
 CLOSER = 0.97
-"""What is aimed at then, as a share of what would close the gap at the last point."""
+"""The product aimed at near the end of a stage, as a share of the one that would close its gap at the last point that was centred."""
 
 STALLED = 20
 """Steps in turn after which this ends where none has moved the aim or bettered the record."""

@@ -35,7 +35,7 @@ class PackingCovering:
     Raises
     ------
     UnsupportedError
-        If coefficients are so far apart that no double holds their quotients, or a variable of a min-max program covers for nothing.
+        If coefficients are so far apart that no double holds their quotients.
     """
 
     def __init__(
@@ -43,8 +43,6 @@ class PackingCovering:
         threads: int = 1,
     ) -> None:  # fmt: skip
         self._packing, self._news, self._least = problem.packing.rows, news, problem.sense == "min"
-        if self._least and len(np.setdiff1d(problem.covering.indices, problem.packing.indices)):
-            raise UnsupportedError("saddle", {"variables that cover without a packing row"})
         self._lay_out(problem)
         self._threads = Threads(threads, 2.0 * len(self._rows[1]))
         self._between = np.empty(len(self._columns[0]) - 1), np.empty(len(self._rows[0]) - 1)
@@ -175,6 +173,8 @@ def search_rows(problem: MaxMinLP, options: Options, control: Control, least_gap
     control.on_stop(stop.ask)
     start = np.zeros(0) if options.start is None else np.maximum(np.asarray(options.start, dtype=np.float64), 0.0)
     usable = start.shape == (problem.num_variables,) and bool(np.isfinite(start).all() and start.any())
+    if usable and problem.sense == "min":  # no multiple of it is an answer unless it covers all rows
+        usable = bool((problem.covering.scipy @ start > 0.0).all())
 
     def news(game: PackingCovering, what: str) -> None:
         if what == "answer":

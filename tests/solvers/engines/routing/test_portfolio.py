@@ -7,12 +7,14 @@ from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 import pytest
 from coded import coded
 from small_routing import plane, small, varied
 
 import waybound as wb
 from waybound.instances.errors import UnsupportedError, UsageError
+from waybound.instances.routing.sites import Group
 from waybound.solvers.backend import Control, Options, RawResult
 from waybound.solvers.engines.routing import portfolio
 from waybound.solvers.engines.routing.best_routes import BestRoutes
@@ -44,6 +46,20 @@ def engines(result: RawResult) -> list[str]:
 )  # fmt: skip
 def test_who_has_a_turn_is_told_by_what_the_problem_has(kind: str, names: list[str]) -> None:
     assert [turn.engine.name for turn in Portfolio().turns(varied(kind, 0))] == names
+
+
+@pytest.mark.parametrize(
+    ("customers", "settings", "proof"), [(150, {}, True), (151, {}, False), (250, {"windows": True}, True), (251, {"windows": True}, False)]
+)
+def test_branch_price_cut_has_a_turn_where_customers_are_few(customers: int, settings: dict[str, Any], proof: bool) -> None:
+    problem = wb.generate("random", customers=customers, capacity=40)
+    if settings:
+        ready = np.zeros(len(problem.sites))
+        problem = replace(problem, sites=replace(problem.sites, ready=ready, due=ready + 500.0))
+    names = ["ruin-recreate", *(["branch-price-cut"] if proof else []), "pyvrp"]
+    assert [turn.engine.name for turn in Portfolio().turns(problem)] == names
+    grouped = replace(problem, sites=replace(problem.sites, required=problem.sites.depot & False, groups=(Group((1, 2), True),)))
+    assert [turn.engine.name for turn in Portfolio().turns(grouped)] == ["ruin-recreate", "pyvrp"]
 
 
 def test_what_no_engine_takes_is_refused_by_what_the_nearest_one_lacks() -> None:
@@ -102,6 +118,7 @@ def test_a_library_searches_while_loops_are_compiled(monkeypatch: pytest.MonkeyP
 
     monkeypatch.setattr(portfolio, "child", short)
     monkeypatch.setattr(portfolio, "COMPILING", 0.0)
+    monkeypatch.setattr(portfolio, "ENOUGH", 0)
     monkeypatch.setattr(portfolio, "ENOUGH_BEFORE_PROOF", 0)  # however slow this machine is, the second one has a turn
     looks: list[bool] = []
     monkeypatch.setattr(type(search_kernels.anneal), "kept", lambda kernel: looks.append(True) or len(looks) > 1)
@@ -126,6 +143,7 @@ def test_one_companion_searches_beside_all_turns_of_others(monkeypatch: pytest.M
         return accompanied(companion, problem, options, best)
 
     monkeypatch.setattr(portfolio, "accompanied", told)
+    monkeypatch.setattr(portfolio, "ENOUGH", 0)
     monkeypatch.setattr(portfolio, "ENOUGH_BEFORE_PROOF", 0)  # however slow this machine is, others have turns
     problem = wb.generate("random", customers=30, capacity=40)
     found = run(problem, threads=2, time_limit=2.0)

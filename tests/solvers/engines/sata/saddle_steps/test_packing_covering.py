@@ -56,8 +56,10 @@ def test_one_row_a_variable_is_taken_where_the_most_is_made_least() -> None:
 
 
 def test_variables_that_cover_for_nothing_are_refused() -> None:
+    problem = wb.MaxMinLP([[1.0, 0.0]], [[1.0, 1.0]], sense="min")
+    assert Saddle().missing(problem) == {"variables that cover without a packing row"}
     with pytest.raises(UnsupportedError, match="cover without a packing row"):
-        run(wb.MaxMinLP([[1.0, 0.0]], [[1.0, 1.0]], sense="min"))
+        run(problem)
 
 
 @settings(deadline=None, max_examples=draws(30))
@@ -146,6 +148,8 @@ def test_a_covering_row_without_variables_keeps_the_value_at_zero() -> None:
 def test_a_start_from_the_local_algorithm_is_refused() -> None:
     with pytest.raises(UsageError, match="one packing row"):
         run(joined(100), extra={"h": 2})
+    with pytest.raises(UsageError, match="a max-min program"):
+        run(wb.MaxMinLP(np.eye(2), np.eye(2), sense="min"), extra={"h": 2})
 
 
 def test_a_start_is_kept_and_one_that_is_none_ignored() -> None:
@@ -164,6 +168,7 @@ def test_a_start_of_a_min_max_program_is_kept() -> None:
     good = run(problem, gap=1e-3)
     again = run(problem, start=good.answer, iterations=1)
     assert again.statistics["start"] == "used" and again.objective <= good.objective * (1 + 1e-12)
+    assert run(wb.MaxMinLP(np.eye(2), np.eye(2), sense="min"), start=[1.0, 0.0]).statistics["start"] == "ignored"
 
 
 @pytest.mark.parametrize("iterations", [1, 37, 400])
