@@ -15,7 +15,6 @@ from .columns import (
     ALTERNATIVE,
     AWAY,
     BETTER,
-    CAPACITY,
     COMPUTED,
     COUNTED,
     DEMAND,
@@ -310,28 +309,21 @@ def next_to(  # type: ignore[no-untyped-def]
 
 @inner
 def cheapest(  # type: ignore[no-untyped-def]
-    ways, at_way, site, types, allowed, alone, near, reach, drive, route, node, sums, c, random, least_unit, dims, flags
+    ways, at_way, site, types, allowed, alone, near, reach, drive, route, node, c, random, least_unit, dims, flags
 ):  # fmt: skip
     """Choose one site of the group of ``c`` to be visited: the cheapest to insert next to its neighbours, of a random half of the group.
-    Capacity costs something, too, every other time: up to what routes cost for each unit of it."""
-    chosen, least, one, price = c, NONE, c, 0.0
-    if dims > 0 and below(random, 2):
-        capacity = 0
-        for k in range(len(types)):
-            capacity += types[k, USED] * types[k, CAPACITY]
-        price = share(random) * sums[SEARCHED] / max(1, capacity)
+    Every other time it is the one with the least load, of the first dimension, or of equal ones the cheapest."""
+    chosen, least, one, lightest, weight = c, NONE, c, dims > 0 and site[c, REQUIRED] and below(random, 2), NONE
     while True:
-        cost = NONE
+        cost, load = NONE, site[one, DEMAND] if lightest else 0
         for k in range(len(types)):
             if types[k, USED] < types[k, SLOTS]:
                 cost = min(cost, alone[k, one])
         cost, _after = next_to(
             ways, at_way, site, types, allowed, near, reach, drive, route, node, random, one, near.shape[1], cost, least_unit, flags
         )
-        if cost < NONE:
-            cost += np.int64(price * site[one, DEMAND]) - site[one, MISSED]
-            if cost < least and below(random, 2):
-                chosen, least = one, cost
+        if cost < NONE and (load < weight or (load == weight and cost - site[one, MISSED] < least)) and below(random, 2):
+            chosen, least, weight = one, cost - site[one, MISSED], load
         one = site[one, ALTERNATIVE]
         if one == c:
             return chosen
@@ -542,9 +534,7 @@ def anneal(  # type: ignore[no-untyped-def]
             c = todo[m]
             owed -= site[c, MISSED]
             if flags & GROUPED and site[c, ALTERNATIVE] >= 0 and not settled(site, node, c):
-                c = cheapest(
-                    ways, at_way, site, types, allowed, alone, near, reach, drive, route, node, sums, c, random, least_unit, dims, flags
-                )
+                c = cheapest(ways, at_way, site, types, allowed, alone, near, reach, drive, route, node, c, random, least_unit, dims, flags)
             logged = insert(
                 ways, at_way, site, types, allowed, alone, near, reach, drive, depots, route, node, absent, sums, random, log, logged,
                 places, c, (step << 20) + m, step, least_unit, warmth, flags,
