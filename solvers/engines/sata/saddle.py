@@ -36,8 +36,7 @@ MOST_LAYERS = 1000
 @BACKENDS.register("saddle")
 class Saddle(Engine):
     """Work on the targets that fall short of a proved bound, and where all of them matter first-order methods or an interior point; bounds
-    from balls and prices. Programs with several packing rows a variable, and min-max
-    ones, go to ``PackingCovering``.
+    from balls and prices. Programs with several packing rows a variable, and min-max ones, go to ``PackingCovering``.
 
     ``iterations`` counts passes over the graph, of which a first-order step is one and of the interior point many. Option ``h``:
     start from the local algorithm with so many layers instead of robots that divide themselves evenly (0, the default, as the local
@@ -56,9 +55,11 @@ class Saddle(Engine):
 
     def missing(self, problem: Problem) -> frozenset[str]:
         lacking = super().missing(problem)
-        if lacking or "min-max" not in problem.features() or not len(np.setdiff1d(problem.covering.indices, problem.packing.indices)):  # type: ignore[attr-defined]
+        if lacking or "min-max" not in problem.features():
             return lacking
-        return frozenset({"variables that cover without a packing row"})
+        packed = np.bincount(problem.packing.indices, minlength=problem.num_variables) > 0  # type: ignore[attr-defined]
+        covers_for_nothing = not packed[problem.covering.indices].all()  # type: ignore[attr-defined]
+        return frozenset({"variables that cover without a packing row"} if covers_for_nothing else ())
 
     def run(self, problem: Problem, options: Options, control: Control) -> RawResult:
         """See ``Engine.run``."""
