@@ -38,7 +38,7 @@ class Context:
         The solver for linear programs that it meets.
     """
 
-    rng: np.random.Generator
+    rng: "np.random.Generator"
     time_limit: float
     start: Any
     publish: Callable[[Any], None]

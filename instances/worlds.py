@@ -69,7 +69,7 @@ class WorldKind:
     name: str
     summary: str
     settings: Mapping[str, Setting]
-    make: Callable[[np.random.Generator, Mapping[str, Any]], World]
+    make: Callable[["np.random.Generator", Mapping[str, Any]], World]
 
 
 def check_robot(robot: Any, count: int) -> None:

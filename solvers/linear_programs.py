@@ -11,7 +11,6 @@ from ..formulations.stop import NEVER, Stop
 from ..instances.errors import UnsupportedError
 from ..instances.limits import MOST
 from .backend import LP_SOLVER, Control, Options, RawResult, solver_named
-from .isolation import run_isolated
 from .program_backend import ProgramBackend, takers
 
 Suits = Mapping[str, Mapping[str, Any]]
@@ -54,6 +53,8 @@ class LinearPrograms:
         control = Control()
         with stop.telling(control.stop):
             if backend.needs_process:
+                from .isolation import run_isolated
+
                 return run_isolated(self.solver, program, options, control)
             return backend.run(program, options, control)
 

@@ -35,6 +35,12 @@ def test_reading_and_judging_load_no_solver():
     assert not set(in_fresh_process(code).split()) & {"highspy", "ortools", "pulp", "cvxpy", "pyvrp"}
 
 
+def test_a_table_of_solvers_loads_neither_random_numbers_nor_processes():
+    """What only annotations or a run need is not imported to tell which solvers there are."""
+    loaded = in_fresh_process("import sys, waybound as wb, waybound.extending; wb.solvers(); print(*sys.modules)").split()
+    assert not set(loaded) & {"numpy.random", "multiprocessing", "waybound.solvers.isolation", "waybound.solving.method"}
+
+
 @pytest.mark.parametrize("name", wb.__all__)
 def test_every_public_name_exists_and_is_listed(name):
     assert getattr(wb, name) is not None

@@ -158,7 +158,7 @@ class _Union:
         """True if samples may be needed: there are more than two rows."""
         return len(self.z) > 2
 
-    def probability(self, rng: np.random.Generator, points: int, doubt: float) -> Probability:
+    def probability(self, rng: "np.random.Generator", points: int, doubt: float) -> Probability:
         """Exact for one row or two; else between proved limits and those of samples, which hold but with the probability ``doubt``."""
         if not self.sampled:
             all_fail = len(self.z) == 2 and not self.single.any()
@@ -192,7 +192,7 @@ class _Union:
         kept = values > len(values) * np.finfo(float).eps
         return np.asarray(vectors[:, kept] * np.sqrt(values[kept]))
 
-    def _counted(self, many: int, root: Floats, rng: np.random.Generator) -> "Counts":
+    def _counted(self, many: int, root: Floats, rng: "np.random.Generator") -> "Counts":
         """Worths of samples of the noise, given a failure, and how often each was drawn.
 
         With c constraints whose row fails, t edges of the tree between them, and a = 1 if one of them fails with all of its rows:

@@ -159,7 +159,7 @@ def _primes(count: int) -> list[int]:
     return primes
 
 
-def sampled_probabilities(costs: JointCosts, groups: ArrayLike, samples: int, rng: np.random.Generator) -> tuple[Floats, Floats]:
+def sampled_probabilities(costs: JointCosts, groups: ArrayLike, samples: int, rng: "np.random.Generator") -> tuple[Floats, Floats]:
     """``joint_probabilities`` by drawing the random costs of the edges ``samples`` times."""
     group = np.asarray(groups, dtype=np.int64)
     order = np.argsort(group, kind="stable")

@@ -146,7 +146,7 @@ def _task(problem: BottleneckSATA | MaxMinLP) -> _Task:
     return _Task(robots, asked, graph, clean(graph), not asked.fractional, graph.unseen_targets)
 
 
-def _run(task: _Task, h: int, messages: bool, options: dict[str, Any], ties: str, rng: np.random.Generator, stop: Stop) -> _Run:
+def _run(task: _Task, h: int, messages: bool, options: dict[str, Any], ties: str, rng: "np.random.Generator", stop: Stop) -> _Run:
     counts: dict[str, int] = {}
     if messages:
         from ...solvers.engines.sata.local_max_min.messages import exchange
@@ -160,7 +160,7 @@ def _run(task: _Task, h: int, messages: bool, options: dict[str, Any], ties: str
     return _judged(task, h, shares, relative, counts, ties, rng)
 
 
-def _judged(task: _Task, h: int, shares: Floats, relative: float, counts: dict[str, int], ties: str, rng: np.random.Generator) -> _Run:
+def _judged(task: _Task, h: int, shares: Floats, relative: float, counts: dict[str, int], ties: str, rng: "np.random.Generator") -> _Run:
     coverage = task.problem.coverage(shares)
     value = _least(task, coverage)
     actions = largest_shares(task.graph, shares, ties, rng) if task.whole else np.zeros(0, dtype=np.int32)

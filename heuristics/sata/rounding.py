@@ -32,7 +32,7 @@ def check_ties(ties: Any) -> None:
         raise UsageError(f"ties must be {', '.join(TIES[:-1])} or {TIES[-1]}, not {ties!r}", "unknown-name")
 
 
-def by_share(shares: Floats, ties: str = "last", rng: np.random.Generator | None = None) -> NDArray[np.int64]:
+def by_share(shares: Floats, ties: str = "last", rng: "np.random.Generator | None" = None) -> NDArray[np.int64]:
     """The elements by falling share; a run of neighbours among the shares that are alike is one tie.
 
     Of equal shares the ``last`` comes first (as in the recorded runs of the thesis' author), the ``first``, or any (``random``, by
@@ -44,7 +44,7 @@ def by_share(shares: Floats, ties: str = "last", rng: np.random.Generator | None
     return np.lexsort((turns, -level))
 
 
-def largest_shares(graph: SensingGraph, shares: Floats, ties: str = "last", rng: np.random.Generator | None = None) -> NDArray[np.int32]:
+def largest_shares(graph: SensingGraph, shares: Floats, ties: str = "last", rng: "np.random.Generator | None" = None) -> NDArray[np.int32]:
     """The action with the largest share of each robot that has a share at all, in the order of robots; ``ties`` as in ``by_share``, among
     those alike to the robot's largest.
 
@@ -59,7 +59,7 @@ def largest_shares(graph: SensingGraph, shares: Floats, ties: str = "last", rng:
     return order[first].astype(np.int32)
 
 
-def _turns(count: int, ties: str, rng: np.random.Generator | None) -> NDArray[np.int64]:
+def _turns(count: int, ties: str, rng: "np.random.Generator | None") -> NDArray[np.int64]:
     """Keys that break ties between equal shares, by the rule ``ties``."""
     check_ties(ties)
     if ties != "random":

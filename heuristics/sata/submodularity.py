@@ -175,7 +175,7 @@ def _number_of_adjacent(n: int) -> float:
     return math.inf if n > 60 else n * (n - 1) * 2.0 ** (n - 2) if n > 1 else float(n)
 
 
-def _triples(n: int, samples: int, rng: np.random.Generator, constraint: Constraint | None) -> tuple[Masks, Masks, NDArray[np.int64]]:
+def _triples(n: int, samples: int, rng: "np.random.Generator", constraint: Constraint | None) -> tuple[Masks, Masks, NDArray[np.int64]]:
     # The first elements of a random order are B, the next is e, and some of the first are A.
     order = np.argsort(rng.random((samples, n)), axis=1)
     place = np.empty_like(order)

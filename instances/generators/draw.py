@@ -24,7 +24,7 @@ class Draw:
     rng : numpy.random.Generator
     """
 
-    def __init__(self, rng: np.random.Generator) -> None:
+    def __init__(self, rng: "np.random.Generator") -> None:
         self._rng = rng
 
     def uniform(self, low: float, high: float, size: int | tuple[int, ...]) -> Floats:

@@ -7,15 +7,17 @@ import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..number_arrays import Floats
-from .frame_columns import Columns
 from .travel import Travel
+
+if TYPE_CHECKING:
+    from .frame_columns import Columns
 
 INHABITED = 66.0
 """Degrees of latitude, north or south, beyond which few vehicles drive."""
@@ -24,7 +26,7 @@ SQUARE = 1.15
 """Ratio of the spreads in degrees up to which sites may have been drawn from a square of them."""
 
 
-def coordinates_of(table: Columns) -> tuple[bool, Floats | None]:
+def coordinates_of(table: "Columns") -> tuple[bool, Floats | None]:
     """A flag for geographic coordinates, and the coordinates of shape (sites, 2), longitude before latitude; None without any.
 
     Raises InputError for one column without the other, both kinds, and angles out of range.
@@ -56,7 +58,7 @@ def refuse_alone(titles: Mapping[str, Any]) -> None:
             raise InputError("coordinates need two columns", "missing", expected=" and ".join(pair), found=f"{present[0]!r} alone")
 
 
-def _column(table: Columns, title: str) -> Floats:
+def _column(table: "Columns", title: str) -> Floats:
     try:
         return np.array(table[title].to_numpy(dtype=np.float64, na_value=np.nan))
     except (TypeError, ValueError) as error:

@@ -2,13 +2,15 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...instances.instance import Instance
 from ...instances.registry import Registry
-from ..missions.animation import Film
 from ..tables.table import Table
 from .findings import FINDINGS, REPRODUCED, SIGN, Finding
+
+if TYPE_CHECKING:
+    from ..missions.animation import Film
 
 Told = Callable[[int, int, str], None]
 """``told(done, total, what)`` receives the progress of a study."""
@@ -98,7 +100,7 @@ def figure(name: str, width: float, height: float) -> Callable[[Callable[..., No
 class Clip:
     """A film to be played when it is wanted, and a sentence of what it shows."""
 
-    play: Callable[[], Film]
+    play: Callable[[], "Film"]
     shows: str
 
 

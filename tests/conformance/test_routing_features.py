@@ -24,7 +24,7 @@ from waybound.reports.tables.routing.routing_features import (
 )
 from waybound.solvers.backend import BACKENDS, Control, Options, solver_named
 from waybound.solvers.bounds import BOUNDS
-from waybound.solving.listing import missing_features
+from waybound.solving.method import missing_features
 
 NAMES = {"several-depots": "multiple-depots", "penalties": "objective:penalties"}
 FEATURES = [NAMES.get(name, name) for name in WHOLE_FAMILY]

@@ -27,7 +27,7 @@ from waybound.instances.worlds import setting_values
 from waybound.reports.missions.mission import MISSIONS
 from waybound.reports.studies.study import STUDIES
 from waybound.solvers.backend import BACKENDS
-from waybound.solving.listing import missing_features
+from waybound.solving.method import missing_features
 
 ROOT = Path(__file__).resolve().parents[2]
 FLOORS = ("instances", "formulations", "solvers", "heuristics", "reports", "waybound/cli", "waybound/solving")

@@ -13,7 +13,7 @@ from waybound import Compiled, Exactness, UnsupportedError, UsageError
 from waybound.formulations.arrays.problem import ArrayProblem
 from waybound.formulations.forms import FORMS, Form
 from waybound.solving.explaining import explain
-from waybound.solving.listing import missing_features
+from waybound.solving.method import missing_features
 
 PROBLEM = ArrayProblem(program([3, 2], [[2, 3]], -np.inf, 10.5, 0, [4, 5], integer=[0, 1], sense="max"), "knapsack")
 OPTIMUM = 12.0  # at (4, 0)

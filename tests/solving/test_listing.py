@@ -7,7 +7,8 @@ import waybound as wb
 from waybound.heuristics.heuristic import HEURISTICS
 from waybound.instances.errors import UnsupportedError
 from waybound.solvers.backend import BACKENDS, Engine
-from waybound.solving.listing import heuristic_table, missing_features, solver_table
+from waybound.solving.listing import heuristic_table, solver_table
+from waybound.solving.method import missing_features
 
 PROBLEMS = {"routing": lambda: wb.read("demo-tiny"), "selection": lambda: cover_30(3), "max-min": lambda: wb.read("sata-s3")}
 

@@ -28,8 +28,7 @@ from waybound.solvers.engines.routing.portfolio import Portfolio
 from waybound.solvers.engines.routing.ruin_recreate import RuinRecreate
 from waybound.solvers.program_backend import ProgramBackend, takers
 from waybound.solving import method
-from waybound.solving.listing import missing_features
-from waybound.solving.method import default_run, opened, opening_heuristic
+from waybound.solving.method import default_run, missing_features, opened, opening_heuristic
 
 S3 = CASES["S3"].graph
 

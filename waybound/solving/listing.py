@@ -6,7 +6,6 @@ from ..formulations.problem import Problem
 from ..heuristics.heuristic import HEURISTICS
 from ..solvers.backend import BACKENDS, Engine
 from ..solvers.program_backend import ProgramBackend, kinds_of
-from .method import missing_features
 
 
 @dataclass(frozen=True)
@@ -43,6 +42,8 @@ class HeuristicInfo:
 def solver_table(problem: Problem | None = None) -> list[SolverInfo]:
     """All solvers, installed or not; with a problem, also what each lacks for it."""
     rows = []
+    if problem is not None:
+        from .method import missing_features
     for name in BACKENDS:
         backend = BACKENDS[name]
         missing, forms = missing_features(name, problem) if problem is not None else (frozenset(), ())

@@ -26,7 +26,6 @@ from ....formulations.routing.routes import Route, Routes
 from ....instances.errors import InputError, UnsupportedError
 from ...backend import BACKENDS, Control, Engine, Options, RawResult
 from ...children import scratch
-from ...isolation import run_in_process
 from .integer_scales import UNLIMITED
 from .routing_integers import IntegerRouting, fitting_integers
 from .routing_objective import awaited, claimed_objective, unscalable
@@ -109,6 +108,8 @@ class VRPSolver(Engine):
         lacking = self.missing(problem)
         if lacking:
             raise UnsupportedError(self.name, lacking)
+        from ...isolation import run_in_process
+
         options = self.converted(options)
         with scratch() as folder:
             printed = folder / "printed"

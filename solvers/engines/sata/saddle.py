@@ -5,7 +5,7 @@ from __future__ import annotations
 import contextlib
 import functools
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -18,11 +18,9 @@ from ....instances.errors import UnsupportedError, UsageError
 from ...backend import BACKENDS, Control, Engine, Options, RawResult
 from ...bounds.sata.ball import unseen_evidence, weights_evidence
 from ...linear_programs import LinearPrograms
-from .saddle_steps.game import Game, Limits, Record
-from .saddle_steps.packing_covering import search_rows
-from .saddle_steps.programs import Programs
-from .saddle_steps.refinement import refine
-from .saddle_steps.whole_game import play
+
+if TYPE_CHECKING:
+    from .saddle_steps.game import Game, Record
 
 LEAST_GAP = 5e-7
 """Gap that ends a search for which a smaller one is asked: half of the gap that is told apart from an optimum."""
@@ -73,6 +71,8 @@ class Saddle(Engine):
             if h:
                 message = "saddle: h, a start from the local algorithm, needs a max-min program and variables of one packing row each"
                 raise UsageError(message, "out-of-range")
+            from .saddle_steps.packing_covering import search_rows
+
             _compile("sums", "packing_covering")
             return search_rows(problem, options, control, LEAST_GAP)  # type: ignore[arg-type]
         task = _Task(problem)
@@ -135,6 +135,11 @@ class _Task:
 
 
 def _search(task: _Task, h: int, options: Options, control: Control) -> RawResult:
+    from .saddle_steps.game import Game, Limits, Record
+    from .saddle_steps.programs import Programs
+    from .saddle_steps.refinement import refine
+    from .saddle_steps.whole_game import play
+
     graph = task.scaled
     stop = Stop(options.time_limit)
     control.on_stop(stop.ask)
