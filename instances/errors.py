@@ -108,12 +108,14 @@ class UnsupportedError(WayboundError):
         Installed alternatives that have them all; heuristics, where ``nearest`` is given.
     nearest : str, optional
         Where ``who`` is none of several: the one that lacks the fewest.
+    advice : str, optional
+        What to do about it, where that is not to take another.
     """
 
     code = "unsupported"
     exit_code = 2
 
-    def __init__(self, who: str, missing: object, others: object = (), nearest: str = "") -> None:
+    def __init__(self, who: str, missing: object, others: object = (), nearest: str = "", advice: str = "") -> None:
         self.who = who
         self.missing = tuple(sorted(str(item) for item in missing))  # type: ignore[attr-defined]
         self.others = tuple(str(item) for item in others)  # type: ignore[attr-defined]
@@ -122,8 +124,8 @@ class UnsupportedError(WayboundError):
             approximated = f"; heuristics that can: {', '.join(self.others)}" if self.others else ""
             super().__init__(f"{who} can take this problem: the nearest, {nearest}, does not handle {lacking}{approximated}")
             return
-        rest = f"can take it: {', '.join(self.others)}" if self.others else "no installed alternative has them all"
-        super().__init__(f"{who} cannot take this problem: it does not handle {lacking}; {rest}")
+        able = f"can take it: {', '.join(self.others)}" if self.others else "no installed alternative has them all"
+        super().__init__(f"{who} cannot take this problem: it does not handle {lacking}; {advice or able}")
 
 
 class MissingPackageError(WayboundError):

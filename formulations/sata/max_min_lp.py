@@ -259,8 +259,24 @@ def as_sensing(problem: MaxMinLP) -> tuple[SensingGraph, Floats]:
     with np.errstate(over="ignore", under="ignore"):
         weights = (c.data / scale[c.indices])[order]
     if not (np.isfinite(weights) & (weights > 0)).all():
-        raise UnsupportedError("the reduction to robots", {"coefficients whose quotients no double holds"})
+        raise far_apart("the reduction to robots", problem)
     return SensingGraph(robot, indptr, targets, weights, a.rows, c.rows, name=problem.name), scale
+
+
+def far_apart(who: str, problem: MaxMinLP) -> UnsupportedError:
+    """The refusal of coefficients whose quotients overflow or vanish: it names those of one variable that are furthest apart."""
+    a, c = problem.packing, problem.covering
+    largest = np.zeros(problem.num_variables)
+    np.maximum.at(largest, a.indices, a.data)
+    with np.errstate(divide="ignore"):
+        k = int(np.argmax(np.abs(np.log(c.data) - np.log(largest[c.indices]))))
+    v = int(c.indices[k])
+    coefficients = f"variable {problem.variable_name(v)}: {largest[v]:g} in packing, {c.data[k]:g} in covering"
+    return UnsupportedError(
+        who,
+        {f"coefficients whose quotients no double holds ({coefficients})"},
+        advice="divide all covering rows by one number, or leave out what is negligible beside the rest",
+    )
 
 
 def as_row_prices(graph: SensingGraph, evidence: Evidence) -> Evidence:

@@ -181,3 +181,8 @@ def test_variables_that_cover_nothing_may_stand_in_any_packing_rows_and_are_zero
 def test_other_programs_are_refused_by_what_they_have() -> None:
     check_refused(UnsupportedError, "several-packing-rows", as_sensing, MaxMinLP([[1.0], [1.0]], [[1.0]]))
     check_refused(UnsupportedError, "min-max", as_sensing, MaxMinLP([[1.0]], [[1.0]], sense="min"))
+
+
+def test_of_coefficients_too_far_apart_those_of_one_variable_are_named_and_what_to_do():
+    said = r"\(variable 2: 1e-200 in packing, 1e\+200 in covering\); divide all covering rows by one number, or leave out"
+    check_refused(UnsupportedError, said, as_sensing, MaxMinLP([[1.0, 1e-200]], [[1.0, 1e200]]))

@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from .....formulations.evidence import Evidence
 from .....formulations.sata.balls import Floats
+from .....formulations.sata.max_min_lp import MaxMinLP, far_apart
 from .....formulations.stop import Flag, Stop
-from .....instances.errors import UnsupportedError
 from ....backend import Control, Options, RawResult
 from .restarts import ROUND, Restarts, inverse, length
 from .threads import Threads
-
-if TYPE_CHECKING:
-    from .....formulations.sata.max_min_lp import MaxMinLP
 
 _EPS = float(np.finfo(np.float64).eps)
 
@@ -69,7 +66,7 @@ class PackingCovering:
             self.unit = math.ldexp(1.0, math.frexp(value)[1]) if 0.0 < value < math.inf else 0.0
             c = c * inverse(np.array([self.unit]))[0]
         if not (np.isfinite(self._scale).all() and np.isfinite(c.data).all() and (c.data > 0.0).all()):
-            raise UnsupportedError("saddle", {"coefficients whose quotients no double holds"})
+            raise far_apart("saddle", problem)
         matrix = vstack([a, -c], format="csr")
         self._keep(matrix)
         short, long = (inverse(np.asarray(abs(matrix).sum(axis=k), dtype=np.float64).ravel()) for k in (0, 1))

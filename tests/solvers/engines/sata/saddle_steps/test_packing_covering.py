@@ -129,6 +129,7 @@ def test_coefficients_of_all_sizes_end_in_true_claims_or_are_refused(seed: int, 
         result = Saddle().run(problem, Options(iterations=300), Control())
     except UnsupportedError as error:
         assert "quotients no double holds" in str(error) and decades > 20
+        assert "alternative" not in str(error) and "divide all covering rows" in str(error)
         return
     assert problem.evaluate(result.answer).feasible
     low, high = (result.objective, result.bound) if sense == "max" else (result.bound, result.objective)
