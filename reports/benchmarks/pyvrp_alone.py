@@ -19,11 +19,12 @@ UNTOLD = frozenset({"groups", "reloads", "overtime", "forbidden-moves", "several
 
 @BACKENDS.register("bare-pyvrp")
 class BarePyVRP(Engine):
-    """``_bare_pyvrp.py`` for the seconds of the time limit."""
+    """``_bare_pyvrp.py`` for so many iterations, or for the seconds of the time limit."""
 
     name, package, modules = "bare-pyvrp", "pyvrp", ("pyvrp",)
     summary = "PyVRP as its own documentation uses it"
     family, features = "routing", PyVRP.features - UNTOLD
+    honours = frozenset({"iterations"})
     by_default = False
 
     def missing(self, problem: Any) -> frozenset[str]:
@@ -36,5 +37,6 @@ class BarePyVRP(Engine):
             data = Path(folder) / "data.npz"
             np.savez(data, **integers(problem))
             script = Path(__file__).with_name("_bare_pyvrp.py")
-            told = in_a_fresh_process(script, data, f"{options.time_limit}s", options.seed % 2**32)
-        return RawResult("feasible", "time", Routes.of(told["routes"]))
+            limit, work = ("time", f"{options.time_limit}s") if options.iterations is None else ("iterations", options.iterations)
+            told = in_a_fresh_process(script, data, work, options.seed % 2**32)
+        return RawResult("feasible", limit, Routes.of(told["routes"]))
