@@ -1,10 +1,12 @@
 """Evidence for a bound: data that a checker can verify without a solver."""
 
+import functools
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Protocol
 
+from ..instances.errors import InputError
 from ..instances.registry import Registry
 
 
@@ -53,6 +55,23 @@ class EvidenceChecker(Protocol):
 CHECKERS: Registry[EvidenceChecker] = Registry(
     "kind of evidence", "waybound.formulations.checking", "waybound.formulations.*.checking", group="waybound.checkers"
 )
+
+
+def checker(kind: str, family: str, subject: str, of: str = "", needs: str = "") -> Callable[[EvidenceChecker], EvidenceChecker]:
+    """Register the checker of one family's evidence, which refuses problems without the attribute ``needs``, and those of other families:
+    ``subject`` ("prices of bins are") evidence for ``of``, by default problems of the family."""
+
+    def register(check: EvidenceChecker) -> EvidenceChecker:
+        @functools.wraps(check)
+        def checked(problem: Any, data: Mapping[str, Any]) -> float:
+            if problem.family != family or (needs and getattr(problem, needs, None) is None):
+                raise InputError(f"{subject} evidence for {of or f'{family} problems'}", "foreign", found=problem.problem)
+            return check(problem, data)
+
+        return CHECKERS.add(kind, checked)
+
+    return register
+
 
 ENDLESS: Registry[Callable[[Any, Mapping[str, Any]], bool]] = Registry(
     "kind of evidence", "waybound.formulations.*.checking", group="waybound.endless"

@@ -19,11 +19,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....instances.errors import InputError
 from ...checking.evidence_numbers import numbers
 from ...checking.granularity import grain, lift
 from ...checking.row_duals import least_value
-from ...evidence import CHECKERS
+from ...evidence import checker
 
 Floats = NDArray[np.float64]
 
@@ -32,7 +31,7 @@ _VANISHING = 1e-250
 """Below it products vanish, and the sign of a sum with them."""
 
 
-@CHECKERS.register("lp-dual")
+@checker("lp-dual", "arrays", "row duals are", of="programs given as arrays")
 def check_lp_dual(problem: Any, data: Mapping[str, Any]) -> float:
     """Bound on a linear (or mixed-integer linear) program that any row duals prove (weak duality with bounded variables).
 
@@ -43,8 +42,6 @@ def check_lp_dual(problem: Any, data: Mapping[str, Any]) -> float:
     numbers. Source: Neumaier and Shcherbina (2004), "Safe bounds in linear and mixed-integer linear programming";
     docs/formulations/arrays.md#row-duals.
     """
-    if problem.family != "arrays":
-        raise InputError("row duals are evidence for programs given as arrays", "foreign", found=problem.family)
     program = problem.program
     ray = "ray" in data
     duals = numbers(data, "ray" if ray else "duals", program.num_rows)

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....instances.errors import InputError
-from ...evidence import CHECKERS
+from ...evidence import checker
 from .job_prices import LARGEST, is_finite
 
 Floats = NDArray[np.float64]
@@ -28,7 +28,7 @@ _WHOLE = 2.0**53
 """Whole numbers below it are doubles."""
 
 
-@CHECKERS.register("assignment-prices")
+@checker("assignment-prices", "bin-assignment", "prices of bins are")
 def check_assignment_prices(problem: Any, data: Mapping[str, Any]) -> float:
     """Lower bound on the sum of the costs that any prices prove; sums are rounded down, so that it holds at any scale of the data.
 
@@ -37,8 +37,6 @@ def check_assignment_prices(problem: Any, data: Mapping[str, Any]) -> float:
 
     Source: linear programming duality (Kuhn 1955; Bertsekas 1981); docs/formulations/bin-assignment.md#evidence.
     """
-    if problem.family != "bin-assignment":
-        raise InputError("prices of bins are evidence for bin-assignment problems", "foreign", found=problem.problem)
     if problem.objective != "sum":
         return -math.inf
     listed, level = data.get("prices"), data.get("level", 0.0)

@@ -16,9 +16,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....instances.errors import InputError
 from ...checking.granularity import grain
-from ...evidence import CHECKERS
+from ...evidence import checker
 from .task_allocation import smallest_forest
 
 Floats = NDArray[np.float64]
@@ -26,14 +25,12 @@ Floats = NDArray[np.float64]
 _EPS = float(np.finfo(np.float64).eps)
 
 
-@CHECKERS.register("average-part")
+@checker("average-part", "balanced-partition", "the average part is")
 def check_average_part(problem: Any, data: Mapping[str, Any]) -> float:
     """Lower bound on the largest part, or on the difference of two, rounded downwards; it reads no evidence data.
 
     Source: docs/formulations/balanced-partition.md#evidence.
     """
-    if problem.family != "balanced-partition":
-        raise InputError("the average part is evidence for balanced-partition problems", "foreign", found=problem.problem)
     instance = problem.instance
     weights, parts = np.asarray(instance.weights), int(instance.num_robots)
     if problem.objective == "min-difference":

@@ -12,17 +12,15 @@ from typing import Any
 import numpy as np
 
 from ....instances.errors import InputError
-from ...evidence import CHECKERS
+from ...evidence import checker
 
 
-@CHECKERS.register("best-increments")
+@checker("best-increments", "room-exploration", "best increments are")
 def check_best_increments(problem: Any, data: Mapping[str, Any]) -> float:
     """Upper bound on the gain, rounded upwards; the evidence must have no data.
 
     Source: docs/formulations/room-exploration.md#evidence.
     """
-    if problem.family != "room-exploration":
-        raise InputError("best increments are evidence for room-exploration problems", "foreign", found=problem.problem)
     if data:
         raise InputError("evidence best-increments holds no data", found=str(data)[:40])
     instance = problem.instance

@@ -16,13 +16,13 @@ import numpy as np
 
 from ....instances.errors import InputError
 from ...checking.granularity import grain, lift
-from ...evidence import CHECKERS
+from ...evidence import checker
 from .job_prices import finite_numbers, is_finite
 
 _EPS = float(np.finfo(np.float64).eps)
 
 
-@CHECKERS.register("errand-prices")
+@checker("errand-prices", "joint-assignment", "prices of errands are")
 def check_errand_prices(problem: Any, data: Mapping[str, Any]) -> float:
     """Lower bound on the sum of times that any prices prove, rounded up to the next sum of times that there can be.
 
@@ -30,8 +30,6 @@ def check_errand_prices(problem: Any, data: Mapping[str, Any]) -> float:
 
     Source: Lagrangean duality, Burkard, Dell'Amico and Martello (2009), section 10.2; docs/formulations/joint-assignment.md#evidence.
     """
-    if problem.family != "joint-assignment":
-        raise InputError("prices of errands are evidence for joint-assignment problems", "foreign", found=problem.problem)
     instance = problem.instance
     bins, requests = (
         np.maximum(finite_numbers(data, key, count, f"prices of {key}"), 0.0)

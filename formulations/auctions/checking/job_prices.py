@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from ....instances.errors import InputError
 from ...checking.granularity import grain, lift
-from ...evidence import CHECKERS
+from ...evidence import checker
 from ...tolerance import room
 
 Floats = NDArray[np.float64]
@@ -32,13 +32,13 @@ _EPS = float(np.finfo(np.float64).eps)
 LARGEST, _TINY, _WHOLE = 1e300, 1e-290, 2.0**53
 
 
-@CHECKERS.register("job-prices")
+@checker("job-prices", "generalised-assignment", "prices of jobs are")
 def check_job_prices(problem: Any, data: Mapping[str, Any]) -> float:
     """Bound on the cost (rounded downwards) or profit (upwards) that any prices prove; ``data`` holds ``prices``, one number per job.
 
     Source: Lagrangean duality, Fisher, Jaikumar and Van Wassenhove (1986); docs/formulations/generalised-assignment.md#evidence.
     """
-    instance, prices = _instance(problem, "prices of jobs"), finite_numbers(data, "prices", problem.num_jobs)
+    instance, prices = problem.instance, finite_numbers(data, "prices", problem.num_jobs)
     costs = problem.objective == "cost"
     if not costs:
         prices = np.maximum(prices, 0.0)
@@ -103,11 +103,11 @@ def _in_part(gain: Floats, used: Floats, most: float) -> float:
     return float(beyond.sum()) + q * most
 
 
-@CHECKERS.register("capacity-need")
+@checker("capacity-need", "generalised-assignment", "weights of agents are")
 def check_capacity_need(problem: Any, data: Mapping[str, Any]) -> float:
     """Infinity where weights of agents prove that not all jobs can be done, else minus infinity; ``data`` holds ``weights``, one number an
     agent."""
-    instance, weights = _instance(problem, "weights of agents"), np.maximum(finite_numbers(data, "weights", problem.num_agents), 0.0)
+    instance, weights = problem.instance, np.maximum(finite_numbers(data, "weights", problem.num_agents), 0.0)
     if problem.objective != "cost":
         return math.inf  # nothing has to be done
     rooms = np.array([room(row, b) for row, b in zip(instance.consumption, instance.capacity.tolist(), strict=True)])
@@ -123,12 +123,6 @@ def check_capacity_need(problem: Any, data: Mapping[str, Any]) -> float:
         return math.inf if math.fsum(terms) > 0.0 else -math.inf
     except (OverflowError, ValueError):
         return -math.inf
-
-
-def _instance(problem: Any, what: str) -> Any:
-    if problem.family != "generalised-assignment":
-        raise InputError(f"{what} are evidence for generalised-assignment problems", "foreign", found=problem.problem)
-    return problem.instance
 
 
 def finite_numbers(data: Mapping[str, Any], key: str, count: int, what: str = "") -> Floats:

@@ -12,17 +12,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....instances.errors import InputError
-from ...evidence import CHECKERS
+from ...evidence import checker
 
 
-@CHECKERS.register("pair-cover")
+@checker("pair-cover", "bin-assignment", "robots and bins that meet pairs are")
 def check_pair_cover(problem: Any, data: Mapping[str, Any]) -> float:
     """Lower bound on the largest cost, infinite where there is no answer; ``data`` lists ``robots`` and ``bins`` as numbers from 0.
 
     Source: König (1931); docs/formulations/bin-assignment.md#evidence. Nothing is added up, so nothing is rounded.
     """
-    if problem.family != "bin-assignment":
-        raise InputError("robots and bins that meet pairs are evidence for bin-assignment problems", "foreign", found=problem.problem)
     robots, bins = _marked(data, "robots", problem.num_robots), _marked(data, "bins", problem.num_bins)
     if int(robots.sum()) + int(bins.sum()) >= problem.pairs:
         return -math.inf

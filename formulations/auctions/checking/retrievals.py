@@ -14,18 +14,16 @@ from collections.abc import Mapping
 from typing import Any
 
 from ....instances.errors import InputError
-from ...evidence import CHECKERS
+from ...evidence import checker
 
 
-@CHECKERS.register("retrievals")
+@checker("retrievals", "orchard-day", "retrievals are", needs="jobs")
 def check_retrievals(problem: Any, data: Mapping[str, Any]) -> float:
     """Lower bound on the last bin's step, or on the sum of all; the evidence must have no data.
 
     Source: docs/formulations/orchard-day.md#bounds.
     """
-    jobs = getattr(problem, "jobs", None)
-    if problem.family != "orchard-day" or jobs is None:
-        raise InputError("retrievals are evidence for orchard-day problems", "foreign", found=problem.problem)
+    jobs = problem.jobs
     if data:
         raise InputError("evidence of retrievals holds no data", found=str(sorted(data))[:80])
     grid, columns = jobs.grid, jobs.grid.columns

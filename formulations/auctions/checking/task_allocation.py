@@ -20,16 +20,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....instances.errors import InputError
 from ...checking.evidence_numbers import numbers
-from ...evidence import CHECKERS
+from ...evidence import checker
 
 Floats = NDArray[np.float64]
 
 _EPS = float(np.finfo(np.float64).eps)
 
 
-@CHECKERS.register("task-forest")
+@checker("task-forest", "task-allocation", "a forest of tasks is")
 def check_task_forest(problem: Any, data: Mapping[str, Any]) -> float:
     """Lower bound on the sum of all paths, or on the longest, that any prices prove; 0 for the mean way.
 
@@ -38,8 +37,6 @@ def check_task_forest(problem: Any, data: Mapping[str, Any]) -> float:
 
     Source: Lagoudakis et al. (2005) for the forest; Held and Karp (1971) for the prices; docs/formulations/task-allocation.md#evidence.
     """
-    if problem.family != "task-allocation":
-        raise InputError("a forest of tasks is evidence for task-allocation problems", "foreign", found=problem.problem)
     instance = problem.instance
     robots, tasks = instance.num_robots, instance.num_tasks
     p, q = np.maximum(numbers(data, "tasks", tasks), 0.0), np.maximum(numbers(data, "robots", robots), 0.0)
@@ -68,14 +65,12 @@ def smallest_forest(root: Floats, edges: Floats) -> list[float]:
     return taken
 
 
-@CHECKERS.register("shortest-ways")
+@checker("shortest-ways", "task-allocation", "shortest ways to tasks are")
 def check_shortest_ways(problem: Any, data: Mapping[str, Any]) -> float:
     """Lower bound from the shortest ways to all tasks, rounded downwards; it reads no evidence data.
 
     Source: docs/formulations/task-allocation.md#evidence.
     """
-    if problem.family != "task-allocation":
-        raise InputError("shortest ways to tasks are evidence for task-allocation problems", "foreign", found=problem.problem)
     instance = problem.instance
     distances, robots, tasks = np.asarray(instance.distances), instance.num_robots, instance.num_tasks
     ways = _shortest_ways(distances[:robots].min(axis=0), distances[robots:])

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ....instances.errors import InputError
 from ...checking.evidence_numbers import numbers
-from ...evidence import CHECKERS
+from ...evidence import checker
 
 Floats = NDArray[np.float64]
 
@@ -30,7 +30,7 @@ MOST_PAIRS = 10_000
 """Half-planes that are read: each has as many numbers as the graph has vertices."""
 
 
-@CHECKERS.register("path-potentials")
+@checker("path-potentials", "uncertain-path", "potentials of vertices are", needs="graph")
 def check_path_potentials(problem: Any, data: Mapping[str, Any]) -> float:
     """Lower bound on the cost at risk that any weights and potentials prove, at least 0, since costs are not negative.
 
@@ -38,9 +38,7 @@ def check_path_potentials(problem: Any, data: Mapping[str, Any]) -> float:
     anything else. Source: duality of shortest paths, and Nikolova et al. (2006) on the extreme points of (mean, variance);
     docs/formulations/uncertain-path.md#evidence. All sums are rounded downwards.
     """
-    graph = getattr(problem, "graph", None)
-    if problem.family != "uncertain-path" or graph is None:
-        raise InputError("potentials of vertices are evidence for uncertain-path problems", "foreign", found=problem.problem)
+    graph = problem.graph
     weights, potentials = data.get("weights"), data.get("potentials")
     if not isinstance(weights, list) or not isinstance(potentials, list) or len(weights) != len(potentials):
         raise InputError("evidence needs lists weights and potentials of one length", "wrong-shape")

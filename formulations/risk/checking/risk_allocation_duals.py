@@ -19,10 +19,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....instances.errors import InputError
 from ...checking.evidence_numbers import numbers
 from ...checking.row_duals import least_value
-from ...evidence import CHECKERS
+from ...evidence import checker
 
 Floats = NDArray[np.float64]
 
@@ -35,7 +34,7 @@ _FARTHEST = 40
 """Times that the distance between the two points is doubled at most before the least is taken to be that of either part alone."""
 
 
-@CHECKERS.register("risk-allocation-duals")
+@checker("risk-allocation-duals", "risk-allocation", "prices of chance constraints are", of="risk allocation")
 def check_risk_allocation_duals(problem: Any, data: Mapping[str, Any]) -> float:
     """Bound on the cost of a risk allocation that any prices prove (weak duality).
 
@@ -48,8 +47,6 @@ def check_risk_allocation_duals(problem: Any, data: Mapping[str, Any]) -> float:
     no answer. Raises InputError for a list that is missing, has another length, or holds anything but finite numbers. Source: Lagrangian
     duality; docs/formulations/risk-allocation.md#the-bound. Sums are rounded to the safe side by ``lp-dual``'s rules.
     """
-    if problem.family != "risk-allocation":
-        raise InputError("prices of chance constraints are evidence for risk allocation", "foreign", found=problem.problem)
     sizes = {
         "rows": len(problem.row_lower), "chance": len(problem.limits), "budgets": len(problem.budgets),
         "terms": sum(len(t[3]) for t in problem.terms), "cones": sum(1 + len(c[1]) for c in problem.cones),

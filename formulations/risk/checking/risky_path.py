@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from ....instances.errors import InputError
 from ....instances.risk.element import TraverseElement
 from ....instances.risk.risky_graph import RiskyGraph
-from ...evidence import CHECKERS
+from ...evidence import checker
 from ...stop import current_stop
 from ..risky_path import RiskyPath
 
@@ -81,7 +81,7 @@ MOST_STEPS = 500
 """Hazards at which the largest ratio is looked for; more states with rewards are taken together."""
 
 
-@CHECKERS.register("move-potentials")
+@checker("move-potentials", "risky-path", "potentials of moves are", of="risky paths")
 def check_move_potentials(problem: RiskyPath, data: Mapping[str, Any]) -> float:
     """Bound that any potentials prove: the most by which a pair of moves exceeds its hazard is paid at every move of a path.
 
@@ -91,8 +91,6 @@ def check_move_potentials(problem: RiskyPath, data: Mapping[str, Any]) -> float:
     all states that can be reached within it, as many as their least hazards leave room for, over the risk of the larger of t and what they
     take. Source: docs/formulations/risky-path.md#bounds.
     """
-    if problem.family != "risky-path":
-        raise InputError("potentials of moves are evidence for risky paths", "foreign", found=problem.family)
     graph = problem.graph
     nothing = -math.inf if problem.sense == "min" else math.inf
     potentials = np.array([math.inf if p is None else p for p in data["potentials"]], dtype=np.float64)
@@ -173,15 +171,13 @@ MOST_WALKS = 300_000
 """Walks that are kept."""
 
 
-@CHECKERS.register("guarded-walks")
+@checker("guarded-walks", "risky-path", "walks are", of="risky paths")
 def check_guarded_walks(problem: RiskyPath, data: Mapping[str, Any]) -> float:
     """Least risk or hazard of walks to a goal that come to no state of ``guarded`` twice, or ``most``, a hazard, if that is less.
 
     ``guarded`` lists states, ``most`` is a number or null. What traverse elements remember of a walk is kept beside its last move, so that
     their risks count in full. Nothing is proved for rewards, nor where there are too many walks.
     """
-    if problem.family != "risky-path":
-        raise InputError("walks are evidence for risky paths", "foreign", found=problem.family)
     graph = problem.graph
     guarded = [int(state) for state in data["guarded"]]
     if not all(0 <= state < graph.num_states for state in guarded):
@@ -285,15 +281,13 @@ CANCELLED = 1e-3
 """Part of all rewards below which those not yet collected are added up anew, instead of subtracted from all."""
 
 
-@CHECKERS.register("all-paths")
+@checker("all-paths", "risky-path", "all paths are", of="risky paths")
 def check_all_paths(problem: RiskyPath, data: Mapping[str, Any]) -> float:
     """The larger of ``target`` and of the rewards per risk of all paths that could earn more; null asks for all paths.
 
     A beginning is left alone once all rewards that are not yet collected would not bring it above the target. Nothing is proved for least
     risks, nor where there are more than ``MOST_PATHS`` others.
     """
-    if problem.family != "risky-path":
-        raise InputError("all paths are evidence for risky paths", "foreign", found=problem.family)
     target = data["target"]
     if target is not None and (isinstance(target, bool) or not isinstance(target, int | float) or math.isnan(target)):
         raise InputError("the target must be a number", found=str(target)[:40])

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from ....instances.errors import InputError
 from ....instances.routing.travel import EXPLICIT, Travel
-from ...evidence import CHECKERS
+from ...evidence import checker
 
 if TYPE_CHECKING:
     from ....instances.routing.vehicle_type import VehicleType
@@ -51,13 +51,11 @@ def routing_evidence(kind: str, subject: str = "") -> Callable[[Check], Check]:
     """Register a checker of routing problems; what it returns is the bound of a minimisation, -inf where nothing is proved."""
 
     def register(check: Check) -> Check:
+        @checker(kind, "routing", subject or f"{kind} is")
         @functools.wraps(check)
         def checked(problem: RoutingProblem, data: Mapping[str, Any]) -> float:
-            if problem.family != "routing":
-                raise InputError(f"{subject or f'{kind} is'} evidence for routing problems", "foreign", found=problem.family)
             return check(problem, data) * (1.0 if problem.sense == "min" else -1.0)
 
-        CHECKERS.add(kind, checked)
         return checked
 
     return register

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ....instances.errors import InputError
 from ....instances.sata.set_functions import AT_ITEM, IN_MATRIX, Floats
 from ...checking.granularity import lift
-from ...evidence import CHECKERS
+from ...evidence import checker
 from ...tolerance import EQUAL, room
 from .decided_elements import best_of_groups, budgets, contradicted, spent, split
 from .item_prices import value_grain
@@ -29,7 +29,7 @@ _ENTRIES = 1 << 21
 """Entries of a matrix, or flags of masks, that are looked at in one step."""
 
 
-@CHECKERS.register("marginal-gains")
+@checker("marginal-gains", "selection", "marginal gains are")
 def check_marginal_gains(problem: Any, data: Mapping[str, Any]) -> float:
     """Upper bound on the value of every feasible selection that a set of elements proves.
 
@@ -40,8 +40,6 @@ def check_marginal_gains(problem: Any, data: Mapping[str, Any]) -> float:
 
     Source: Nemhauser, Wolsey and Fisher (1978); docs/selection.md#bounds. Sums are rounded upwards.
     """
-    if problem.family != "selection":
-        raise InputError("marginal gains are evidence for selection problems", "foreign", found=problem.problem)
     n = problem.function.num_elements
     prefix = data["prefix"]
     if not isinstance(prefix, list | tuple) or any(isinstance(e, bool) or not isinstance(e, int) for e in prefix):

@@ -15,9 +15,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....instances.errors import InputError
 from ...checking.evidence_numbers import numbers
-from ...evidence import CHECKERS
+from ...evidence import checker
 
 Floats = NDArray[np.float64]
 
@@ -25,7 +24,7 @@ _EPS = float(np.finfo(np.float64).eps)
 _TINY = 5e-324
 
 
-@CHECKERS.register("packing-covering-duals")
+@checker("packing-covering-duals", "max-min", "prices of packing and covering rows are", of="max-min LPs", needs="packing")
 def check_packing_covering_duals(problem: Any, data: Mapping[str, Any]) -> float:
     """Bound on a max-min or min-max linear program that any prices of its rows prove.
 
@@ -35,8 +34,6 @@ def check_packing_covering_duals(problem: Any, data: Mapping[str, Any]) -> float
 
     Source: linear programming duality; docs/formulations/bottleneck.md#packing-covering-duals.
     """
-    if problem.family != "max-min" or getattr(problem, "packing", None) is None:
-        raise InputError("prices of packing and covering rows are evidence for max-min LPs", "foreign", found=problem.problem)
     a, c = problem.packing, problem.covering
     y = _scaled(numbers(data, "covering", c.rows))
     z = _scaled(numbers(data, "packing", a.rows))

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from ....instances.errors import InputError
 from ...checking.evidence_numbers import numbers
 from ...checking.granularity import grain, lift
-from ...evidence import CHECKERS
+from ...evidence import checker
 
 _EPS = float(np.finfo(np.float64).eps)
 _TINY = 5e-324
@@ -27,7 +27,7 @@ _SMALLEST = 1e-290
 """Below it the rounding of a product or quotient may be larger than its relative error tells."""
 
 
-@CHECKERS.register("target-weights")
+@checker("target-weights", "max-min", "weights of targets are", of="bottleneck problems", needs="graph")
 def check_target_weights(problem: Any, data: Mapping[str, Any]) -> float:
     """Upper bound on the bottleneck value, whole actions or shares, that any weights of targets prove.
 
@@ -36,9 +36,7 @@ def check_target_weights(problem: Any, data: Mapping[str, Any]) -> float:
 
     Source: linear programming duality for (3.5) of Sung (2019); docs/formulations/bottleneck.md#target-weights.
     """
-    graph = getattr(problem, "graph", None)
-    if problem.family != "max-min" or graph is None:
-        raise InputError("weights of targets are evidence for bottleneck problems", "foreign", found=problem.problem)
+    graph = problem.graph
     named = data["targets"]
     whole = isinstance(named, list | tuple) and not any(isinstance(t, bool) or not isinstance(t, int) for t in named)
     if not whole or (isinstance(data["weights"], list | tuple) and len(data["weights"]) != len(named)):
