@@ -39,17 +39,13 @@ def _truncate(d: Floats, scale: float) -> Floats:
     return np.floor(d * scale + _GUARD) / scale
 
 
-def _unrounded(d: Floats) -> Floats:
-    return d
-
-
 def _ceil(d: Floats) -> Floats:
     return np.ceil(d - _GUARD)
 
 
 # No lambdas: a travel is pickled when a solver runs in a process of its own.
 _ROUNDING: dict[str, Callable[[Floats], Floats]] = {
-    "exact": _unrounded,
+    "exact": np.asarray,
     "trunc1": partial(_truncate, scale=10.0),
     "trunc2": partial(_truncate, scale=100.0),
     "round": _nint,

@@ -155,7 +155,8 @@ class ChoiceTree(ProofTree[_Case]):
         parent = node.parent
         node.at = np.arange(len(self.every)) if not isinstance(parent, _Case) else self._left(parent.at, node)
         if not len(node.at):  # no route is left
-            self.close_at_goal(node)
+            node.bound = max(node.bound, self.target)
+            self.close(node)
             return True
         bounds = list[float]()
         while True:
@@ -183,10 +184,6 @@ class ChoiceTree(ProofTree[_Case]):
         else:
             self.close(node)
         return True
-
-    def close_at_goal(self, node: _Case) -> None:
-        node.bound = max(node.bound, self.target)
-        self.close(node)
 
     def reached(self, bound: float) -> bool:
         return bound >= self.target

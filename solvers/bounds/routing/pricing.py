@@ -200,7 +200,8 @@ class Pricer:
         if self.bidirectional:
             self._balance()
         order = np.argsort(totals[:number], kind="stable")[:most]
-        routes = [self._route(int(f), int(b)) for f, b in pairs[order].tolist()]
+        ahead, back = self.ends
+        routes = [np.array(ahead.walk(f)[::-1] + back.walk(b), dtype=np.int64) for f, b in pairs[order].tolist()]
         return DONE, least / self.unit if least < NONE else np.inf, totals[order] / self.unit, routes
 
     def arc_costs(self, stop: Stop, reduced: Floats, duals: Floats, below: float) -> Floats | None:
@@ -263,10 +264,6 @@ class Pricer:
         elif back > UNEVEN * ahead:
             self.halfway += step
         self.halfway = min(max(self.halfway, int(self.ends[0].start[0])), int(self.top[0]) - 1)
-
-    def _route(self, label: int, partner: int) -> Longs:
-        ahead, back = self.ends
-        return np.array(ahead.walk(label)[::-1] + back.walk(partner), dtype=np.int64)
 
     def _fines(self, duals: Floats) -> NDArray[np.int64]:
         """Sums of the prices of cuts for all values of each byte of a label's cuts, rounded down, shape (words, bytes, 256)."""
