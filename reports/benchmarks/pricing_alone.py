@@ -9,8 +9,6 @@ RoutePricer (GPL-3) is no part of waybound: ``--peer`` names a Python that has `
 Exits with 1 if two costs differ.
 """
 
-import json
-import subprocess
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
@@ -25,7 +23,7 @@ from waybound.solvers.bounds.routing.column_generation import FOUND, ColumnGener
 from waybound.solvers.bounds.routing.pricing import Pricer
 from waybound.solvers.bounds.routing.set_partition import set_partition
 
-from ._harness import Folder, Option, best_of, command, markdown
+from ._harness import Folder, Option, best_of, command, in_a_fresh_process, markdown
 
 Floats = NDArray[np.float64]
 
@@ -93,11 +91,7 @@ class Searches:
                 ready=np.ceil(clock.lower * TENTHS - 1e-6).astype(int), due=np.floor(clock.upper * TENTHS + 1e-6).astype(int),
                 demand=np.rint(load.weight[0]).astype(int), capacity=int(load.upper[0]),
             )  # fmt: skip
-            words = [python, str(Path(__file__).with_name("_bare_routepricer.py")), str(path), str(repeats)]
-            done = subprocess.run(words, capture_output=True, text=True, check=False)
-        if done.returncode:
-            raise RuntimeError(done.stderr)
-        told = json.loads(done.stdout.splitlines()[-1])
+            told = in_a_fresh_process(Path(__file__).with_name("_bare_routepricer.py"), path, repeats, python=python)
         return told["version"], [(seconds, round(cost)) for seconds, _, cost in told["rows"]]
 
 
