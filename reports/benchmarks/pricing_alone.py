@@ -21,6 +21,7 @@ from waybound import RoutingProblem, read
 from waybound.formulations.stop import Stop
 from waybound.solvers.bounds.routing.column_generation import FOUND, ColumnGeneration, Part
 from waybound.solvers.bounds.routing.pricing import Pricer
+from waybound.solvers.bounds.routing.route_levels import EXACT
 from waybound.solvers.bounds.routing.set_partition import set_partition
 
 from ._harness import Folder, Option, best_of, command, in_a_fresh_process, markdown
@@ -66,8 +67,6 @@ class Searches:
 
     def own(self, repeats: int) -> list[tuple[float, int]]:
         """CPU seconds and the least cost of each search of ours."""
-        from waybound.solvers.bounds.routing.label_kernels import EXACT
-
         self.pricer.restrict(self.usable, self.near, [])
         rows = []
         for cost in self.costs:

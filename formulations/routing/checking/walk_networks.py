@@ -16,6 +16,8 @@ from .relaxation import Resource, order_resource
 
 Ints = NDArray[np.int32]
 
+DONE, STOPPED, FULL = 0, 1, 2
+
 BITS = 63
 """Bits of a word that are used; the lowest of a label's first word of memory tells whether a needed move is still to be made."""
 
