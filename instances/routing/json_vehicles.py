@@ -6,15 +6,12 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..document import array, fields, integer, json_number, json_numbers, matrix, positions, real, square, string, strings
 from ..errors import InputError
 from .sites import Sites
 from .travel import EXPLICIT, METRICS, Travel
 from .vehicle_type import Energy, VehicleType
-
-Floats = NDArray[np.float64]
 
 TRAVEL_KEYS = ("metric", "x", "y", "matrix", "durations", "closing", "variances", "pace", "convention")
 VEHICLE_KEYS = (

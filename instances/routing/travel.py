@@ -6,13 +6,12 @@ from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..errors import InputError, UsageError
 from ..memory import fits, readable
+from ..number_arrays import Floats
 from ..suggestions import did_you_mean
-
-Floats = NDArray[np.float64]
 
 CONVENTIONS = ("file", "exact", "trunc1", "trunc2", "round", "ceil")
 ALIASES = {"dimacs": "trunc1"}

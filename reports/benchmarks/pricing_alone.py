@@ -15,18 +15,16 @@ from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from waybound import RoutingProblem, read
 from waybound.formulations.stop import Stop
+from waybound.instances.number_arrays import Flags, Floats, Longs
 from waybound.solvers.bounds.routing.column_generation import FOUND, ColumnGeneration, Part
 from waybound.solvers.bounds.routing.pricing import Pricer
 from waybound.solvers.bounds.routing.route_levels import EXACT
 from waybound.solvers.bounds.routing.set_partition import set_partition
 
 from ._harness import Folder, Option, best_of, command, in_a_fresh_process, markdown
-
-Floats = NDArray[np.float64]
 
 FINE = 1000.0
 """Whole numbers in a unit of column generation, of which the dearest move costs some thousand."""
@@ -42,9 +40,9 @@ SECONDS = 600.0
 class Searches:
     """Searches: ``costs``, reduced costs of moves in whole numbers, shape (searches, nodes, nodes), and all that searches take."""
 
-    costs: NDArray[np.int64]
-    usable: NDArray[np.bool_]
-    near: NDArray[np.bool_]
+    costs: Longs
+    usable: Flags
+    near: Flags
     pricer: Pricer
     levels: tuple[Any, ...]
 

@@ -23,6 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ....instances.number_arrays import Longs
 from ...evidence import Evidence
 from ...forms import FORMS, Form
 from ...problem import Decision, Problem
@@ -40,7 +41,6 @@ from . import _sizes
 from ._routes import ArcIndex, Blocks, levels, point_of, routes_of, used, with_levels
 
 Ints = NDArray[np.integer[Any]]
-Longs = NDArray[np.int64]
 
 EVIDENCED = frozenset(
     {

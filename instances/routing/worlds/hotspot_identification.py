@@ -6,16 +6,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...generators import Draw
+from ...number_arrays import Floats
 from ...text import read_text
 from ...worlds import WORLDS, Setting, World, WorldKind
 from ..aerial_pictures import Arms
 from ..gaussian_process import GaussianProcess, SquaredExponential
-
-Floats = NDArray[np.float64]
 
 MOST_CELLS = 3600
 """Beyond it the covariance of all cells takes hundreds of megabytes."""
