@@ -5,12 +5,10 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..formulations.programs.program import Floats, Program
+from ..formulations.programs.rows import Ints
 from ..formulations.stop import Stop
-
-Longs = NDArray[np.int64]
 
 SLICE = 0.2
 """Seconds after which a run looks whether it has to end."""
@@ -64,11 +62,11 @@ class LinearSession:
         columns = np.arange(self._program.num_variables, dtype=np.int32)
         self._model.changeColsCost(len(columns), columns, np.zeros(len(columns)))
 
-    def price(self, columns: Longs, cost: Floats) -> None:
+    def price(self, columns: Ints, cost: Floats) -> None:
         """Set the costs of some columns."""
         self._model.changeColsCost(len(columns), columns.astype(np.int32), cost)
 
-    def add(self, cost: Floats, starts: Longs, rows: Longs, values: Floats, upper: Floats | None = None) -> None:
+    def add(self, cost: Floats, starts: Ints, rows: Ints, values: Floats, upper: Floats | None = None) -> None:
         """Append columns with bounds 0 and ``upper``, by default infinite; ``starts`` says where the entries of each begin."""
         size, none = len(cost), np.zeros(len(cost))
         upper = np.full(size, math.inf) if upper is None else upper
@@ -76,7 +74,7 @@ class LinearSession:
         self.lower, self.upper = np.append(self.lower, none), np.append(self.upper, upper)
         self._grown = True
 
-    def add_rows(self, lower: Floats, starts: Longs, columns: Longs, values: Floats) -> None:
+    def add_rows(self, lower: Floats, starts: Ints, columns: Ints, values: Floats) -> None:
         """Append rows of at least ``lower``; ``starts`` says where the entries of each begin."""
         size, given = len(lower), (starts.astype(np.int32), columns.astype(np.int32), values.astype(np.float64))
         self._model.addRows(size, lower, np.full(size, math.inf), len(columns), *given)
@@ -86,12 +84,12 @@ class LinearSession:
         """Set the lower limit of a row, which may be minus infinity."""
         self._model.changeRowBounds(row, lower, math.inf)
 
-    def remove_rows(self, rows: Longs) -> None:
+    def remove_rows(self, rows: Ints) -> None:
         """Remove some rows, which must not be binding."""
         if len(rows):
             self._model.deleteRows(len(rows), rows.astype(np.int32))
 
-    def remove_columns(self, columns: Longs) -> None:
+    def remove_columns(self, columns: Ints) -> None:
         """Remove some columns, whose values must be 0."""
         if len(columns):
             self._model.deleteCols(len(columns), columns.astype(np.int32))

@@ -8,7 +8,6 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...instances.instance import digest
 from ...instances.routing.features import features
@@ -17,7 +16,7 @@ from ...instances.routing.sites import Sites, with_unused
 from ...instances.routing.travel import EXPLICIT
 from .objective import DEFAULT_OBJECTIVE, default_objective, pointless
 from .reachability import unreachable
-from .routes import Longs
+from .routes import Floats, Longs
 
 if TYPE_CHECKING:
     from ...instances.routing.travel import Travel
@@ -184,6 +183,6 @@ def _variances(travel: Travel) -> list[Any]:
     return ["variances", travel.variances] if travel.uncertain else []
 
 
-def _spread(values: NDArray[np.float64]) -> dict[str, float]:
+def _spread(values: Floats) -> dict[str, float]:
     some = values if len(values) else np.zeros(1)
     return {"total": math.fsum(some), "least": float(some.min()), "largest": float(some.max())}

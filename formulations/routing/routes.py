@@ -14,15 +14,12 @@ from decimal import Decimal
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...instances.errors import InputError
+from ...instances.number_arrays import Flags as Flags, Floats as Floats, Longs as Longs
 from ...instances.printable import printable
 from ..tolerance import ROUNDING
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Longs = NDArray[np.int64]
 Moments = tuple[float | None, ...]
 
 

@@ -8,8 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..errors import InputError
-
-Floats = NDArray[np.float64]
+from ..number_arrays import Floats
 
 
 @dataclass(frozen=True, eq=False)

@@ -9,11 +9,10 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..clock import Times
 from ..errors import InputError
-from ..number_arrays import Floats
+from ..number_arrays import Flags, Floats
 from ..suggestions import did_you_mean, nearest
 from ..text import shown
 from .foreign_names import elsewhere, may_be_another_load, ours
@@ -40,7 +39,7 @@ class Columns:
     titles: dict[str, Any]
     extra: tuple[Any, ...]
     ids: tuple[str, ...]
-    depot: NDArray[np.bool_] = field(init=False)
+    depot: Flags = field(init=False)
 
     def __post_init__(self) -> None:
         self.depot = self.flags("depot") if "depot" in self.titles else np.arange(len(self.ids)) == 0
@@ -81,7 +80,7 @@ class Columns:
         columns = [title, *(f"{title}{k}" for k in range(2, last + 1))]
         return np.column_stack([self.reals(c) if c in self else np.zeros(len(self.ids)) for c in columns])
 
-    def flags(self, title: str) -> NDArray[np.bool_]:
+    def flags(self, title: str) -> Flags:
         """Truth values; missing ones are true for ``required``, false for ``depot``."""
         flags = []
         for value in self[title].tolist():

@@ -7,11 +7,11 @@ from os import PathLike
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..clock import Times
 from ..document import fields, json_numbers
 from ..errors import InputError
+from ..number_arrays import Flags
 from .foreign_names import hint
 from .frame_columns import id_text, words_of
 from .frame_lists import placed
@@ -20,8 +20,6 @@ from .json_vehicles import TRAVEL_KEYS, VEHICLE_KEYS, decode_travel, decode_vehi
 from .sites import Sites
 from .travel import EXPLICIT, Travel
 from .vehicle_type import VehicleType
-
-Flags = NDArray[np.bool_]
 
 SPANS = ("max_duration", "regular_duration")
 SHIFT = ("shift_start", "shift_end")

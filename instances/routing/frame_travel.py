@@ -7,11 +7,10 @@ from os import PathLike
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..clock import Times
 from ..errors import InputError
-from ..number_arrays import Floats
+from ..number_arrays import Flags, Floats
 from .foreign_names import hint, ours
 from .frame_columns import id_text
 from .routing_service import table_from_file, table_of
@@ -33,7 +32,7 @@ class Moves:
 
     distances: Floats
     durations: Floats | None = None
-    forbidden: NDArray[np.bool_] | None = None
+    forbidden: Flags | None = None
     notes: tuple[str, ...] = ()
 
 
@@ -70,7 +69,7 @@ def is_graph(travel: Any) -> bool:
     return hasattr(travel, "edges") and hasattr(travel, "nodes")
 
 
-def without_infinities(distances: Floats, durations: Floats | None) -> tuple[Floats, Floats | None, NDArray[np.bool_] | None]:
+def without_infinities(distances: Floats, durations: Floats | None) -> tuple[Floats, Floats | None, Flags | None]:
     """The same with finite numbers, and the moves that were infinite, which cannot be made; None for none.
 
     Their numbers are then twice the largest one of the matrix, so that methods which look at numbers alone leave them out too.
@@ -82,7 +81,7 @@ def without_infinities(distances: Floats, durations: Floats | None) -> tuple[Flo
     return distances, durations, shut if shut.any() else None
 
 
-def _filled(values: Floats, shut: NDArray[np.bool_]) -> Floats:
+def _filled(values: Floats, shut: Flags) -> Floats:
     filled = np.where(shut, 2.0 * float(values[~shut].max(initial=0.0)), values)
     np.fill_diagonal(filled, 0.0)
     return filled

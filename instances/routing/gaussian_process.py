@@ -6,8 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
-
-Floats = NDArray[np.float64]
+from ..number_arrays import Floats
 
 
 @dataclass(frozen=True)

@@ -10,10 +10,9 @@ from functools import cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import InputError
-from ..number_arrays import Floats
+from ..number_arrays import Flags, Floats
 from .travel import Travel
 
 if TYPE_CHECKING:
@@ -157,16 +156,16 @@ _COASTS = (
 public domain) as the package global-land-mask 1.0.0 has them; islands below its kilometre are missing."""
 
 
-def at_open_sea(xy: NDArray[np.float64]) -> NDArray[np.bool_]:
+def at_open_sea(xy: Floats) -> Flags:
     """True for places, longitude and latitude in degrees of shape (places, 2), in a cell without any land."""
     land = _land()
     rows = np.clip(((90.0 - xy[:, 1]) // CELL).astype(np.int64), 0, land.shape[0] - 1)
     columns = ((xy[:, 0] + 180.0) // CELL).astype(np.int64) % land.shape[1]
-    sea: NDArray[np.bool_] = ~land[rows, columns]
+    sea: Flags = ~land[rows, columns]
     return sea
 
 
 @cache
-def _land() -> NDArray[np.bool_]:
+def _land() -> Flags:
     bits = np.frombuffer(zlib.decompress(base64.b85decode(_COASTS)), dtype=np.uint8)
     return np.unpackbits(bits).astype(bool).reshape(180 // CELL, 360 // CELL)

@@ -6,10 +6,10 @@ from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..clock import Clock as Clock, moment_told
 from ..errors import InputError, UsageError
+from ..number_arrays import Flags, Longs
 from .sites import Group as Group, Shipment as Shipment, Sites as Sites
 from .travel import EXPLICIT, Travel
 from .vehicle_type import (
@@ -19,8 +19,6 @@ from .vehicle_type import (
     VehicleType as VehicleType,
     checked_risk,
 )
-
-Floats = NDArray[np.float64]
 
 SHOWN = 5
 """Depots that a message names."""
@@ -75,7 +73,7 @@ class RoutingInstance:
     objective: tuple[str, ...] = ()
     notes: tuple[str, ...] = ()
     team_risk: float | None = None
-    forbidden: NDArray[np.bool_] | None = None
+    forbidden: Flags | None = None
     clock: Clock | None = None
 
     def __post_init__(self) -> None:
@@ -96,7 +94,7 @@ class RoutingInstance:
         return replace(self, name=f"{self.name}.{count}", sites=sites, travel=travel, fleet=fleet, forbidden=moves)
 
 
-def placed(vehicle: VehicleType, keep: NDArray[np.int64]) -> VehicleType:
+def placed(vehicle: VehicleType, keep: Longs) -> VehicleType:
     """The vehicle type where only the sites ``keep`` are left, its depots among them."""
     position = {int(site): k for k, site in enumerate(keep)}
     energy = vehicle.energy
@@ -138,7 +136,7 @@ def check_routing_data(
             raise InputError(message, "contradiction", expected=", ".join(sorted(needs)))
 
 
-def check_moves(sites: Sites, moves: NDArray[np.bool_] | None, what: str = "forbidden") -> None:
+def check_moves(sites: Sites, moves: Flags | None, what: str = "forbidden") -> None:
     """Raise InputError unless ``moves`` tells of each pair of sites whether it is in the set."""
     if moves is not None and (moves.shape != (len(sites), len(sites)) or moves.dtype != np.bool_):
         message = f"{what} moves must be truth values, one for each pair of sites"

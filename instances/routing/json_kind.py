@@ -1,6 +1,8 @@
 """Routing instances in waybound's JSON; the keys are documented in ``docs/formats.md``."""
 
 import math
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -11,7 +13,7 @@ from ..document import array, fields, flags, integer, json_number, json_numbers,
 from ..errors import InputError, UsageError
 from ..kinds import KINDS, Kind
 from .instance import Group, RoutingInstance, Shipment, Sites
-from .json_vehicles import decode_travel, decode_vehicle, encode_travel, encode_vehicle, optional_real, site_of
+from .json_vehicles import decode_travel, decode_vehicle, encode_travel, encode_vehicle, site_of, truth
 from .reach import refuse_powerless, refuse_unreachable
 from .sites import with_unused
 
@@ -38,10 +40,7 @@ def encode(instance: RoutingInstance) -> dict[str, Any]:
         data["min_vehicles"] = instance.min_vehicles
     if instance.team_risk is not None:
         data["team_risk"] = json_number(instance.team_risk)
-    if instance.objective:
-        data["objective"] = list(instance.objective)
-    if instance.notes:
-        data["notes"] = list(instance.notes)
+    data |= {key: list(words) for key, words in (("objective", instance.objective), ("notes", instance.notes)) if words}
     if instance.forbidden is not None:
         ids = instance.sites.ids
         data["forbidden"] = [[ids[i], ids[j]] for i, j in np.argwhere(instance.forbidden).tolist()]
@@ -59,7 +58,7 @@ def _encode_sites(sites: Sites) -> dict[str, Any]:
     for name in ("demand", "pickup"):
         loads = np.column_stack([getattr(sites, name), getattr(sites, f"further_{name}")])
         if loads.any() or (name == "demand" and sites.dimensions > 1):
-            data[name] = json_numbers(loads[:, 0]) if sites.dimensions == 1 else [json_numbers(row) for row in loads]
+            data[name] = json_numbers(loads[:, 0] if sites.dimensions == 1 else loads)
     plain = {"ready": 0.0, "due": math.inf, "service": 0.0, "reward": 0.0, "penalty": 0.0}
     for name, default in plain.items():
         values = getattr(sites, name)
@@ -67,17 +66,14 @@ def _encode_sites(sites: Sites) -> dict[str, Any]:
             data[name] = json_numbers(values)
     if (sites.required != ~sites.depot).any():
         data["required"] = sites.required.tolist()
-    if any(sites.windows):
-        data["windows"] = {sites.ids[k]: [[json_number(a), json_number(b)] for a, b in w] for k, w in enumerate(sites.windows) if w}
-    if any(sites.skills):
-        data["skills"] = {sites.ids[k]: sorted(names) for k, names in enumerate(sites.skills) if names}
-    if sites.shipments:
-        data["shipments"] = [_encode_shipment(shipment, sites) for shipment in sites.shipments]
-    if sites.groups:
-        data["groups"] = [{"sites": [sites.ids[k] for k in group.sites], "required": group.required} for group in sites.groups]
-    if sites.attributes:
-        data["attributes"] = {title: [plain_json(v) for v in values] for title, values in sites.attributes.items()}
-    return data
+    listed: dict[str, Any] = {
+        "windows": {sites.ids[k]: [[json_number(a), json_number(b)] for a, b in w] for k, w in enumerate(sites.windows) if w},
+        "skills": {sites.ids[k]: sorted(names) for k, names in enumerate(sites.skills) if names},
+        "shipments": [_encode_shipment(shipment, sites) for shipment in sites.shipments],
+        "groups": [{"sites": [sites.ids[k] for k in group.sites], "required": group.required} for group in sites.groups],
+        "attributes": {title: [plain_json(v) for v in values] for title, values in sites.attributes.items()},
+    }
+    return data | {key: values for key, values in listed.items() if values}
 
 
 def _encode_shipment(shipment: Shipment, sites: Sites) -> dict[str, Any]:
@@ -103,7 +99,8 @@ def decode(data: dict[str, Any]) -> RoutingInstance:
     instance = RoutingInstance(
         string(data["name"], "name"), "json", sites, travel, tuple(fleet), problem=problem, problems=problems,
         min_vehicles=integer(data.get("min_vehicles", 0), "min_vehicles", 0), objective=strings(data.get("objective", []), "objective"),
-        notes=with_unused(strings(data.get("notes", []), "notes"), sites.attributes), team_risk=optional_real(data, "team_risk"),
+        notes=with_unused(strings(data.get("notes", []), "notes"), sites.attributes),
+        team_risk=None if data.get("team_risk") is None else real(data["team_risk"], "team_risk"),
         forbidden=_forbidden(data["forbidden"], index) if "forbidden" in data else None,
         clock=_clock(data["clock"]) if "clock" in data else None,
     )  # fmt: skip
@@ -122,14 +119,12 @@ def _forbidden(data: Any, index: dict[str, int]) -> NDArray[np.bool_]:
 
 def _clock(data: Any) -> Clock:
     entries = fields(data, "clock", ("unit", "origin", "of-day"), ("unit",))
-    if not isinstance(entries.get("of-day", False), bool):
-        raise InputError("clock.of-day must be true or false", found=repr(entries["of-day"])[:40])
+    of_day = entries.get("of-day", False)
+    if not isinstance(of_day, bool):
+        raise InputError("clock.of-day must be true or false", found=repr(of_day)[:40])
     try:
-        return Clock(
-            string(entries["unit"], "clock.unit"),
-            string(entries["origin"], "clock.origin") if "origin" in entries else "",
-            entries.get("of-day", False),
-        )
+        unit = string(entries["unit"], "clock.unit")
+        return Clock(unit, string(entries["origin"], "clock.origin") if "origin" in entries else "", of_day)
     except UsageError as error:
         raise InputError(f"clock.unit: {error}", error.code) from None
 
@@ -146,39 +141,24 @@ def _attributes(data: Any, n: int) -> dict[str, Any]:
 
 def plain_json(value: Any) -> Any:
     """An attribute as JSON has it."""
-    return (
-        value if value is None or isinstance(value, bool | int | str) or (isinstance(value, float) and math.isfinite(value)) else str(value)
-    )
+    plain = value is None or isinstance(value, bool | int | str) or (isinstance(value, float) and math.isfinite(value))
+    return value if plain else str(value)
 
 
 def _decode_sites(data: Any) -> Sites:
     fields(data, "sites", SITE_KEYS, ("id",))
     ids = strings(data["id"], "sites.id")
-    n = len(ids)
-    columns: dict[str, Any] = {}
-    for key in ("demand", "pickup"):
+    n, index = len(ids), {site: k for k, site in enumerate(ids)}
+    columns: dict[str, Any] = {key: read(data[key], f"sites.{key}", n) for key, read in ARRAYS.items() if key in data}
+    for key, of_site in OF_SITES.items():
         if key in data:
-            columns[key] = _loads(data[key], f"sites.{key}", n)
-    for key in ("ready", "service", "reward", "penalty"):
+            held = fields(data[key], f"sites.{key}", data[key] if isinstance(data[key], dict) else ())
+            at = [site_of(site, f"a key of sites.{key}", index) for site in held]
+            columns[key] = {k: of_site(held[ids[k]], f"sites.{key}.{ids[k]}") for k in at}
+    for key, of_item in LISTS.items():
         if key in data:
-            columns[key] = reals(data[key], f"sites.{key}", n)
-    if "due" in data:
-        columns["due"] = reals(data["due"], "sites.due", n, null=math.inf)
-    for key in ("depot", "required"):
-        if key in data:
-            columns[key] = flags(data[key], f"sites.{key}", n)
-    index = {site: k for k, site in enumerate(ids)}
-    listed: Any
-    if "windows" in data:
-        columns["windows"] = {k: _windows(w, f"sites.windows.{ids[k]}") for k, w in _by_site(data["windows"], "sites.windows", index)}
-    if "skills" in data:
-        columns["skills"] = {k: strings(names, f"sites.skills.{ids[k]}") for k, names in _by_site(data["skills"], "sites.skills", index)}
-    if "shipments" in data:
-        listed = enumerate(array(data["shipments"], "sites.shipments"))
-        columns["shipments"] = [_shipment(item, f"sites.shipments[{k}]", index) for k, item in listed]
-    if "groups" in data:
-        listed = enumerate(array(data["groups"], "sites.groups"))
-        columns["groups"] = [_group(item, f"sites.groups[{k}]", index) for k, item in listed]
+            items = enumerate(array(data[key], f"sites.{key}"))
+            columns[key] = [of_item(item, f"sites.{key}[{k}]", index) for k, item in items]
     at_depot = columns.get("depot", np.arange(n) == 0) & columns.get("required", np.zeros(n, dtype=bool))
     if at_depot.any():
         k = int(np.argmax(at_depot))
@@ -200,12 +180,6 @@ def _loads(data: Any, path: str, n: int) -> Any:
     return matrix(rows, path, n, width)
 
 
-def _by_site(data: Any, path: str, index: dict[str, int]) -> list[tuple[int, Any]]:
-    """The values of an object with one key a site."""
-    values = fields(data, path, data if isinstance(data, dict) else ())
-    return [(site_of(name, f"a key of {path}", index), value) for name, value in values.items()]
-
-
 def _windows(data: Any, path: str) -> list[tuple[float, float]]:
     pairs = [array(pair, f"{path}[{k}]", 2) for k, pair in enumerate(array(data, path))]
     return [(real(a, f"{path}[{k}][0]"), real(b, f"{path}[{k}][1]", null=math.inf)) for k, (a, b) in enumerate(pairs)]
@@ -220,10 +194,17 @@ def _shipment(data: Any, path: str, index: dict[str, int]) -> Shipment:
 
 def _group(data: Any, path: str, index: dict[str, int]) -> Group:
     fields(data, path, ("sites", "required"), ("sites",))
-    required = data.get("required", True)
-    if not isinstance(required, bool):
-        raise InputError(f"{path}.required must be true or false")
+    required = truth(data.get("required", True), f"{path}.required")
     return Group(tuple(site_of(name, f"{path}.sites", index) for name in strings(data["sites"], f"{path}.sites")), required)
+
+
+ARRAYS: dict[str, Callable[[Any, str, int], Any]] = {
+    "demand": _loads, "pickup": _loads, "ready": reals, "service": reals, "reward": reals, "penalty": reals,
+    "due": partial(reals, null=math.inf), "depot": flags, "required": flags,
+}  # fmt: skip
+OF_SITES: dict[str, Callable[[Any, str], Any]] = {"windows": _windows, "skills": strings}
+LISTS: dict[str, Callable[[Any, str, dict[str, int]], Any]] = {"shipments": _shipment, "groups": _group}
+"""Readers of columns with one entry per site, with entries of some sites by their ids, and of lists."""
 
 
 KINDS.add("routing", Kind("routing", encode, decode))

@@ -6,15 +6,12 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..document import array, fields, integer, json_number, json_numbers, matrix, positions, real, square, string, strings
 from ..errors import InputError
 from .sites import Sites
 from .travel import EXPLICIT, METRICS, Travel
 from .vehicle_type import Energy, VehicleType
-
-Floats = NDArray[np.float64]
 
 TRAVEL_KEYS = ("metric", "x", "y", "matrix", "durations", "closing", "variances", "pace", "convention")
 VEHICLE_KEYS = (
@@ -31,14 +28,9 @@ def encode_travel(travel: Travel, sites: Sites) -> dict[str, Any]:
     same = travel.metric != EXPLICIT and sites.coordinates is not None and np.array_equal(travel.coordinates, sites.coordinates)  # type: ignore[arg-type]
     if travel.coordinates is not None and not same:
         data["x"], data["y"] = (json_numbers(column) for column in travel.coordinates.T)
-    if travel.matrix is not None:
-        data["matrix"] = json_numbers(travel.matrix)
-    if travel.duration_matrix is not None:
-        data["durations"] = json_numbers(travel.duration_matrix)
-    if travel.closing is not None and np.isfinite(travel.closing).any():
-        data["closing"] = [json_numbers(row) for row in travel.closing]
-    if travel.variances is not None:
-        data["variances"] = json_numbers(travel.variances)
+    closing = travel.closing if travel.closing is not None and np.isfinite(travel.closing).any() else None
+    matrices = {"matrix": travel.matrix, "durations": travel.duration_matrix, "closing": closing, "variances": travel.variances}
+    data |= {key: json_numbers(values) for key, values in matrices.items() if values is not None}
     if travel.pace != 1.0:
         data["pace"] = json_number(travel.pace)
     return data
@@ -82,7 +74,8 @@ def _null(read: Callable[..., Any], *further: Any) -> Callable[[Any, str], Any]:
     return lambda data, path: None if data is None else read(data, path, *further)
 
 
-def _truth(data: Any, path: str) -> bool:
+def truth(data: Any, path: str) -> bool:
+    """True or false."""
     if not isinstance(data, bool):
         raise InputError(f"{path} must be true or false")
     return data
@@ -145,7 +138,7 @@ def vehicle_keys(sites: Sites, index: Mapping[str, int]) -> dict[str, Key]:
         "skills": Key(frozenset(), lambda data, path: frozenset(strings(data, path)), sorted),
         "reloads": Key((), places, ids),
         "max_reloads": Key(None, _null(integer, 0), int),
-        "committed": Key(False, _truth, bool),
+        "committed": Key(False, truth, bool),
         "risk": Key(None, _null(real)),
     }
 
@@ -180,8 +173,3 @@ def decode_vehicle(data: Any, path: str, index: Mapping[str, int], sites: Sites)
     values.setdefault("end", start)
     travel = decode_travel(data["travel"], sites, "", f"{path}.travel") if data.get("travel") is not None else None
     return VehicleType(**values, capacity=capacity, further_capacity=tuple(further), travel=travel)
-
-
-def optional_real(data: dict[str, Any], key: str, path: str = "") -> float | None:
-    """A number that may be missing or null."""
-    return None if data.get(key) is None else real(data[key], f"{path}{key}")

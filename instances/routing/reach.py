@@ -11,17 +11,15 @@ from functools import partial
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..clock import moment_told
 from ..errors import InputError
-from ..number_arrays import Floats
+from ..number_arrays import Flags, Floats, Longs as Indices
 from ..text import plain
 from .instance import RoutingInstance, Sites, VehicleType
 from .travel import Travel
 
-Flags = NDArray[np.bool_]
-Indices = NDArray[np.int64]
 Move = Callable[[ArrayLike, ArrayLike], Floats]
 """Lengths of direct moves between origins and destinations, which broadcast: ``Travel.distance``, ``Travel.duration``, ..."""
 

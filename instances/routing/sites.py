@@ -7,13 +7,12 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..errors import Code, InputError, UsageError
+from ..number_arrays import Flags, Floats, Longs
 from ..printable import LONGEST_LINE, printable
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
 Window = tuple[float, float]
 
 COLUMNS = ("depot", "demand", "ready", "due", "service", "reward", "required", "penalty", "pickup", "further_demand", "further_pickup")
@@ -338,12 +337,12 @@ class Sites:
         return len(self.ids)
 
     @cached_property
-    def depots(self) -> NDArray[np.int64]:
+    def depots(self) -> Longs:
         """Indices of the depots."""
         return _fixed(np.nonzero(self.depot)[0])
 
     @cached_property
-    def customers(self) -> NDArray[np.int64]:
+    def customers(self) -> Longs:
         """Indices of all sites that are no depots."""
         return _fixed(np.nonzero(~self.depot)[0])
 
@@ -430,6 +429,6 @@ def _widened(values: Floats, dimensions: int) -> Floats:
     return np.hstack([values, np.zeros((len(values), dimensions - values.shape[1]))])
 
 
-def _fixed(indices: NDArray[np.int64]) -> NDArray[np.int64]:
+def _fixed(indices: Longs) -> Longs:
     indices.setflags(write=False)
     return indices

@@ -6,17 +6,14 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..generators import Draw
-from ..number_arrays import Floats as Floats
+from ..number_arrays import Flags as Flags, Floats as Floats, Longs as Longs
 
 if TYPE_CHECKING:
     from scipy import sparse
 
-Flags = NDArray[np.bool_]
-Whole = NDArray[np.int64]
 
 ROUND = tuple((dx, dy) for dx in (-2, -1, 0, 1, 2) for dy in (-2, -1, 0, 1, 2) if math.gcd(dx, dy) == 1)
 """The sixteen directions in which fire spreads from a cell."""
@@ -52,7 +49,7 @@ class Fire:
 
 
 @lru_cache(maxsize=8)
-def grid_moves(rows: int, columns: int, offsets: tuple[tuple[int, int], ...]) -> tuple[Whole, Whole, Floats]:
+def grid_moves(rows: int, columns: int, offsets: tuple[tuple[int, int], ...]) -> tuple[Longs, Longs, Floats]:
     """Moves between cells, numbered row by row: tails in ascending order, heads, and the displacement (columns, rows) of each."""
     row, column = np.divmod(np.arange(rows * columns), columns)
     steps = np.array(offsets)
@@ -61,7 +58,7 @@ def grid_moves(rows: int, columns: int, offsets: tuple[tuple[int, int], ...]) ->
     return tail, to_row[tail, which] * columns + to_column[tail, which], steps[which].astype(np.float64)
 
 
-def move_graph(rows: int, columns: int, tail: Whole, head: Whole, weights: Floats) -> "sparse.csr_matrix":
+def move_graph(rows: int, columns: int, tail: Longs, head: Longs, weights: Floats) -> "sparse.csr_matrix":
     """The moves of ``grid_moves`` with their weights, as ``scipy.sparse.csgraph`` takes them."""
     from scipy import sparse
 

@@ -6,13 +6,12 @@ from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..errors import InputError, UsageError
 from ..memory import fits, readable
+from ..number_arrays import Floats
 from ..suggestions import did_you_mean
-
-Floats = NDArray[np.float64]
 
 CONVENTIONS = ("file", "exact", "trunc1", "trunc2", "round", "ceil")
 ALIASES = {"dimacs": "trunc1"}
@@ -39,17 +38,13 @@ def _truncate(d: Floats, scale: float) -> Floats:
     return np.floor(d * scale + _GUARD) / scale
 
 
-def _unrounded(d: Floats) -> Floats:
-    return d
-
-
 def _ceil(d: Floats) -> Floats:
     return np.ceil(d - _GUARD)
 
 
 # No lambdas: a travel is pickled when a solver runs in a process of its own.
 _ROUNDING: dict[str, Callable[[Floats], Floats]] = {
-    "exact": _unrounded,
+    "exact": np.asarray,
     "trunc1": partial(_truncate, scale=10.0),
     "trunc2": partial(_truncate, scale=100.0),
     "round": _nint,

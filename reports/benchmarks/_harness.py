@@ -107,9 +107,9 @@ def best_of(repeats: int, *works: Callable[[], Any]) -> list[float]:
     return [min(seconds) for seconds in zip(*runs, strict=True)]
 
 
-def in_a_fresh_process(*arguments: object) -> dict[str, Any]:
+def in_a_fresh_process(*arguments: object, python: str = sys.executable) -> dict[str, Any]:
     """The JSON in the last line that ``python ARGUMENTS`` prints; raises RuntimeError with what it complains of."""
-    done = subprocess.run([sys.executable, *map(str, arguments)], capture_output=True, text=True, check=False)
+    done = subprocess.run([python, *map(str, arguments)], capture_output=True, text=True, check=False)
     if done.returncode:
         raise RuntimeError(done.stderr)
     return dict(json.loads(done.stdout.splitlines()[-1]))

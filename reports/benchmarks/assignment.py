@@ -12,6 +12,7 @@ from functools import partial
 from typing import Annotated, Any
 
 import numpy as np
+from scipy.sparse import csr_matrix
 
 import waybound as wb
 from waybound.extending import NEVER, same, verified_bound
@@ -99,19 +100,14 @@ def main(
             good &= compare(f"{n} x {n} {kind}", _generated(robots=n, bins=n, costs=kind, **drawn).matrix(), peers, repeats)
     for n in many + unmatched:
         for kind in ("whole", "uniform"):
-            costs = _shifted(_generated(robots=n, bins=n, costs=kind, arcs=ARCS))  # a stored 0 is no pair to scipy
+            problem = _generated(robots=n, bins=n, costs=kind, arcs=ARCS)
+            costs = csr_matrix((problem.cost + 1.0, problem.bins, problem.indptr), shape=(n, n))  # a stored 0 is no pair to scipy
             good &= compare(f"{n} sparse x {ARCS} {kind}", costs, {} if n in unmatched else SPARSE, 1)
     return good
 
 
 def _generated(**settings: Any) -> wb.BinAssignment:
     return wb.BinAssignment(generated(wb.AssignmentInstance, "assignment", 1, **settings))
-
-
-def _shifted(problem: wb.BinAssignment) -> Any:
-    from scipy.sparse import csr_matrix
-
-    return csr_matrix((problem.cost + 1.0, problem.bins, problem.indptr), shape=(problem.num_robots, problem.num_bins))
 
 
 if __name__ == "__main__":

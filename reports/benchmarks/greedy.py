@@ -113,7 +113,7 @@ def measure(problem: wb.SubmodularSelection, repeats: int) -> dict[str, Run]:
     return best
 
 
-def report(elements: int, picks: int, seed: int, repeats: int) -> tuple[str, bool]:
+def report(elements: int = 100_000, picks: int = 100, repeats: int = 3, seed: int = 1) -> tuple[str, bool]:
     """Measure, and say what came out and whether the targets are met."""
     began = time.perf_counter()
     for what in TARGETS:  # compiles, or loads what was compiled before
@@ -151,6 +151,4 @@ def report(elements: int, picks: int, seed: int, repeats: int) -> tuple[str, boo
     return "\n".join(lines), good
 
 
-@command
-def main(elements: int = 100_000, picks: int = 100, repeats: int = 3, seed: int = 1) -> tuple[str, bool]:
-    return report(elements, picks, seed, repeats)
+main = command(report)

@@ -88,12 +88,12 @@ def integers(problem: RoutingProblem, engine: str = "pyvrp") -> dict[str, Any]:
     }  # fmt: skip
 
 
-def bare(problem: RoutingProblem, engine: str, work: int) -> dict[str, Any]:
-    """Routes and CPU seconds of the bare library on a problem."""
+def bare(problem: RoutingProblem, engine: str, *work: object) -> dict[str, Any]:
+    """Routes and CPU seconds of the bare library on a problem; ``work`` is what its script is told."""
     with tempfile.TemporaryDirectory() as folder:
         data = Path(folder) / "data.npz"
         np.savez(data, **integers(problem, engine))
-        return in_a_fresh_process(Path(__file__).with_name(f"_bare_{engine}.py"), data, work)
+        return in_a_fresh_process(Path(__file__).with_name(f"_bare_{engine}.py"), data, *work)
 
 
 def shown(routes: list[list[int]], engine: str) -> list[list[int]]:

@@ -9,25 +9,22 @@ RoutePricer (GPL-3) is no part of waybound: ``--peer`` names a Python that has `
 Exits with 1 if two costs differ.
 """
 
-import json
-import subprocess
 import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from waybound import RoutingProblem, read
 from waybound.formulations.stop import Stop
+from waybound.instances.number_arrays import Flags, Floats, Longs
 from waybound.solvers.bounds.routing.column_generation import FOUND, ColumnGeneration, Part
 from waybound.solvers.bounds.routing.pricing import Pricer
+from waybound.solvers.bounds.routing.route_levels import EXACT
 from waybound.solvers.bounds.routing.set_partition import set_partition
 
-from ._harness import Folder, Option, best_of, command, markdown
-
-Floats = NDArray[np.float64]
+from ._harness import Folder, Option, best_of, command, in_a_fresh_process, markdown
 
 FINE = 1000.0
 """Whole numbers in a unit of column generation, of which the dearest move costs some thousand."""
@@ -43,9 +40,9 @@ SECONDS = 600.0
 class Searches:
     """Searches: ``costs``, reduced costs of moves in whole numbers, shape (searches, nodes, nodes), and all that searches take."""
 
-    costs: NDArray[np.int64]
-    usable: NDArray[np.bool_]
-    near: NDArray[np.bool_]
+    costs: Longs
+    usable: Flags
+    near: Flags
     pricer: Pricer
     levels: tuple[Any, ...]
 
@@ -68,8 +65,6 @@ class Searches:
 
     def own(self, repeats: int) -> list[tuple[float, int]]:
         """CPU seconds and the least cost of each search of ours."""
-        from waybound.solvers.bounds.routing.label_kernels import EXACT
-
         self.pricer.restrict(self.usable, self.near, [])
         rows = []
         for cost in self.costs:
@@ -93,11 +88,7 @@ class Searches:
                 ready=np.ceil(clock.lower * TENTHS - 1e-6).astype(int), due=np.floor(clock.upper * TENTHS + 1e-6).astype(int),
                 demand=np.rint(load.weight[0]).astype(int), capacity=int(load.upper[0]),
             )  # fmt: skip
-            words = [python, str(Path(__file__).with_name("_bare_routepricer.py")), str(path), str(repeats)]
-            done = subprocess.run(words, capture_output=True, text=True, check=False)
-        if done.returncode:
-            raise RuntimeError(done.stderr)
-        told = json.loads(done.stdout.splitlines()[-1])
+            told = in_a_fresh_process(Path(__file__).with_name("_bare_routepricer.py"), path, repeats, python=python)
         return told["version"], [(seconds, round(cost)) for seconds, _, cost in told["rows"]]
 
 

@@ -15,6 +15,7 @@ import waybound as wb
 from waybound.api import read
 from waybound.extending import same
 from waybound.formulations.arrays.problem import ArrayProblem
+from waybound.formulations.programs.rows import rows as row_block
 from waybound.formulations.verified_bounds import beats_bound, verified_bound
 from waybound.reports.battery.cases import Draw, cases
 from waybound.reports.battery.truth import Truth
@@ -103,11 +104,8 @@ def set_cover(seed: int, rows: int = 200, columns: int = 2000, density: float = 
     for row in covered:
         row[rng.choice(columns, 2, replace=False)] = True
     row, column = np.nonzero(covered)
-    starts = np.concatenate([[0], np.cumsum(np.bincount(row, minlength=rows))]).astype(np.int32)
     x = wb.Variables("x", lower=np.zeros(columns), upper=np.ones(columns), cost=rng.integers(1, 101, columns).astype(float), integer=True)
-    need = wb.Rows(
-        "row", indptr=starts, indices=column.astype(np.int32), data=np.ones(len(column)), lower=np.ones(rows), upper=np.full(rows, np.inf)
-    )
+    need = row_block("row", rows, [(row, column, 1.0)], lower=1.0)
     return ArrayProblem(wb.Program(f"cover-{rows}x{columns}-{seed}", "min", (x,), (need,)))
 
 
@@ -131,8 +129,8 @@ def checking(leaves: int, rows: int = 100, columns: int = 150) -> None:
     """CPU seconds that the checker takes for a tree of so many leaves, each with a dual for every row."""
     rng = np.random.default_rng(1)
     matrix = rng.integers(1, 100, (rows, columns)).astype(float)
-    starts, indices = np.arange(rows + 1, dtype=np.int32) * columns, np.tile(np.arange(columns, dtype=np.int32), rows)
-    row = wb.Rows("row", indptr=starts, indices=indices, data=matrix.ravel(), lower=np.full(rows, -np.inf), upper=matrix.sum(axis=1) / 2.0)
+    at = np.arange(matrix.size)
+    row = row_block("row", rows, [(at // columns, at % columns, matrix.ravel())], upper=matrix.sum(axis=1) / 2.0)
     x = wb.Variables("x", lower=np.zeros(columns), upper=np.ones(columns), cost=matrix.sum(axis=0) / rows, integer=True)
     problem = ArrayProblem(wb.Program("tree", "max", (x,), (row,)))
     nodes, waiting, unmade = list[object](), [0], leaves - 1

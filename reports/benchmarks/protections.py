@@ -6,7 +6,6 @@ are CPU time of reductions and search, children included, one thread; all proven
 
 import math
 import resource
-import time
 from collections.abc import Callable, Iterator
 from typing import Any
 
@@ -15,10 +14,9 @@ from waybound.formulations.programs.program import Program
 from waybound.instances.bundled import bundled_path
 from waybound.instances.generating import generate
 from waybound.instances.reading import read_instance
-from waybound.solvers.backend import Control, Options, RawResult, solver_named
-from waybound.solvers.program_backend import ProgramBackend
+from waybound.solvers.backend import RawResult
 
-from ._harness import command
+from ._harness import command, solved
 
 RUNS: tuple[tuple[str, str, dict[str, Any]], ...] = (
     ("highs", "waybound's", {}),
@@ -49,19 +47,12 @@ GROUPS: dict[str, tuple[str, Callable[[int], Problem]]] = {
 """A form, and a problem by number, for each group."""
 
 
-def cpu() -> float:
-    """CPU seconds of this process and its children that have ended."""
-    children = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return time.process_time() + children.ru_utime + children.ru_stime
-
-
 def run(program: Program, solver: str, own: dict[str, Any], limit: float) -> tuple[float, RawResult]:
-    """CPU seconds, and the solver's account."""
-    backend = solver_named(solver)
-    assert isinstance(backend, ProgramBackend)
-    began = cpu()
-    result = backend.run(program, Options(time_limit=limit, extra=dict(own)), Control())
-    return cpu() - began, result
+    """CPU seconds of this process and of its children that have ended, and the solver's account."""
+    began = resource.getrusage(resource.RUSAGE_CHILDREN)
+    seconds, result = solved(program, solver, limit, **own)
+    ended = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return seconds + ended.ru_utime - began.ru_utime + ended.ru_stime - began.ru_stime, result
 
 
 def rows(seeds: int, limit: float, groups: dict[str, tuple[str, Callable[[int], Problem]]] | None = None) -> Iterator[str]:

@@ -1,17 +1,12 @@
 """PyVRP alone as a solver of campaigns: given the whole numbers that waybound gives it, in a process that knows nothing of waybound."""
 
-import tempfile
-from pathlib import Path
 from typing import Any
-
-import numpy as np
 
 from waybound.extending import BACKENDS, Control, Engine, Options, RawResult
 from waybound.formulations.routing.routes import Routes
 from waybound.solvers.engines.routing.pyvrp import PyVRP
 
-from ._harness import in_a_fresh_process
-from .overhead import BISECTED, integers
+from .overhead import BISECTED, bare
 
 UNTOLD = frozenset({"groups", "reloads", "overtime", "forbidden-moves", "several-windows"})
 """Features that the bare model of PyVRP leaves out."""
@@ -33,10 +28,6 @@ class BarePyVRP(Engine):
 
     def run(self, problem: Any, options: Options, control: Control) -> RawResult:
         self.begin(problem, options, control)
-        with tempfile.TemporaryDirectory() as folder:
-            data = Path(folder) / "data.npz"
-            np.savez(data, **integers(problem))
-            script = Path(__file__).with_name("_bare_pyvrp.py")
-            limit, work = ("time", f"{options.time_limit}s") if options.iterations is None else ("iterations", options.iterations)
-            told = in_a_fresh_process(script, data, work, options.seed % 2**32)
+        limit, work = ("time", f"{options.time_limit}s") if options.iterations is None else ("iterations", options.iterations)
+        told = bare(problem, "pyvrp", work, options.seed % 2**32)
         return RawResult("feasible", limit, Routes.of(told["routes"]))

@@ -13,7 +13,6 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.special import ndtr, ndtri
 
 import waybound as wb
@@ -21,6 +20,7 @@ from waybound.extending import Control, Options, RawResult, Stop, verified_bound
 from waybound.formulations.risk.forms.fixed_risks import uniform_risks
 from waybound.heuristics.heuristic import HeuristicWork
 from waybound.heuristics.risk.iterative_risk_allocation import ACTIVE
+from waybound.instances.number_arrays import Floats
 from waybound.instances.risk.allocation import Affine, ChanceConstraints, Risk, RiskAllocationInstance
 from waybound.instances.risk.gaussian import Quantities
 from waybound.solvers.engines.risk.convex_allocation import ConvexAllocation
@@ -28,8 +28,6 @@ from waybound.solvers.engines.risk.convex_allocation_steps.session import open_s
 from waybound.solvers.engines.risk.convex_allocation_steps.successive_tangents import Interval, SuccessiveTangents
 
 from ._harness import best_of, command, generated, met, timed
-
-Floats = NDArray[np.float64]
 
 GAP = 1e-5
 """Relative gap to which the default closes its interval on the two problems."""

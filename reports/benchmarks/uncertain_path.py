@@ -146,8 +146,15 @@ def _roadmap(seed: int, variance: float) -> wb.UncertainGraph:
     return generated(wb.UncertainGraph, "prm-graph", seed, variance=variance)
 
 
-def report(comparisons: int, samples: int, graphs: int, walked: int, draws: int, seed: int) -> tuple[str, bool]:
-    """Measure, and say what came out and whether the targets are met."""
+@command
+def main(
+    comparisons: int = 2000,
+    samples: int = 1_000_000,
+    graphs: Annotated[int, Option(help="roadmaps for the non-dominated sets")] = 100,
+    walked: Annotated[int, Option(help="roadmaps that policies walk")] = 5,
+    draws: Annotated[int, Option(help="walks on each")] = 20,
+    seed: int = 1,
+) -> tuple[str, bool]:
     parts = [compare(comparisons, samples, seed), share(samples, min(graphs, 10), seed), sets(graphs), (policies(walked, draws), True)]
     verdicts = [good for _, good in parts]
     lines = [line for part, _ in parts for line in part]
@@ -158,15 +165,3 @@ def report(comparisons: int, samples: int, graphs: int, walked: int, draws: int,
     )
     lines += [f"{what}: {met(good)}" for what, good in zip(targets, verdicts, strict=False)]
     return "\n".join(lines), all(verdicts)
-
-
-@command
-def main(
-    comparisons: int = 2000,
-    samples: int = 1_000_000,
-    graphs: Annotated[int, Option(help="roadmaps for the non-dominated sets")] = 100,
-    walked: Annotated[int, Option(help="roadmaps that policies walk")] = 5,
-    draws: Annotated[int, Option(help="walks on each")] = 20,
-    seed: int = 1,
-) -> tuple[str, bool]:
-    return report(comparisons, samples, graphs, walked, draws, seed)

@@ -24,21 +24,27 @@ HALF = "_half"
 """Ending of the column that holds half the width of the interval of another."""
 
 
+def completed(mission: str | Mission, **how: Any) -> pd.DataFrame:
+    """The log of a run; raises KeyboardInterrupt where it was interrupted, so that methods are compared in whole worlds."""
+    from ..missions.running import run
+
+    log = run(mission, **how)
+    if log.attrs["limit"] == "interrupt":
+        raise KeyboardInterrupt
+    return log
+
+
 def play(
     mission: str, methods: Mapping[str, Mapping[str, Any]], steps: int, seed: int, settings: Mapping[str, Any],
     columns: Mapping[str, Any], keep: Sequence[str], last: bool = False,
 ) -> list[dict[str, Any]]:  # fmt: skip
     """Rows of the logs of all methods in one world: ``columns``, ``seed``, ``method`` and what to ``keep``, of the ``last`` step or of all.
 
-    A task for ``processes.spread``; raises KeyboardInterrupt where a mission was interrupted, so that methods are compared in whole worlds.
+    A task for ``processes.spread``.
     """
-    from ..missions.running import run
-
     rows = []
     for name, how in methods.items():
-        log = run(mission, steps=steps, seed=seed, **settings, **how)
-        if log.attrs["limit"] == "interrupt":
-            raise KeyboardInterrupt
+        log = completed(mission, steps=steps, seed=seed, **settings, **how)
         shown = log.iloc[-1:] if last else log
         rows += [{**columns, "seed": seed, "method": name, **{key: row.get(key, math.nan) for key in keep}} for row in records(shown)]
     return rows
@@ -59,6 +65,12 @@ def records(table: pd.DataFrame) -> list[dict[str, Any]]:
     return [{str(key): value for key, value in row.items()} for row in table.to_dict("records")]
 
 
+def decision_times(log: pd.DataFrame, of: pd.Series | None = None) -> dict[str, float]:
+    """Mean and largest wall time of a decision, in ms: ``of`` these steps, or of all that took time; ``times_apart`` takes them out."""
+    seconds = log["seconds"][log["seconds"] > 0 if of is None else of]
+    return {"milliseconds": 1e3 * float(seconds.mean()), "slowest": 1e3 * float(seconds.max())}
+
+
 def times_apart(rows: Sequence[Mapping[str, Any]], key: str = "method") -> tuple[list[dict[str, Any]], Table]:
     """Rows without ``milliseconds`` and ``slowest``, wall times of a decision that no seed reproduces, and a table of these by ``key``."""
     kept = [{name: value for name, value in row.items() if name not in ("milliseconds", "slowest")} for row in rows]
@@ -73,11 +85,16 @@ def times_apart(rows: Sequence[Mapping[str, Any]], key: str = "method") -> tuple
     return kept, frame_table("Wall time of a decision", told)
 
 
-def by_method(logs: Sequence[Mapping[str, Any]]) -> list[tuple[str, pd.DataFrame]]:
-    """Rows with a column ``method`` as one table per method, in the order in which these come."""
+def framed(rows: Iterable[Mapping[str, Any]], key: str = "") -> pd.DataFrame:
+    """Rows as a data frame: all, or those that have a ``key``."""
     import pandas as pd
 
-    return [(str(method), log) for method, log in pd.DataFrame(logs).groupby("method", sort=False)]
+    return pd.DataFrame([row for row in rows if not key or key in row])
+
+
+def by_method(logs: Sequence[Mapping[str, Any]]) -> list[tuple[str, pd.DataFrame]]:
+    """Rows with a column ``method`` as one table per method, in the order in which these come."""
+    return [(str(method), log) for method, log in framed(logs).groupby("method", sort=False)]
 
 
 def mean_interval(values: ArrayLike) -> tuple[float, float]:
@@ -101,6 +118,20 @@ def apart(alike: pd.DataFrame, key: str, method: str, other: str, worlds: str | 
     """How far a method lies above another in the mean over the same worlds, and half the width of its interval."""
     pairs = alike.pivot_table(index=worlds, columns="method", values=key)
     return mean_interval((pairs[method] - pairs[other]).dropna())
+
+
+def method_means(table: pd.DataFrame, methods: Iterable[str], keys: Sequence[str], name: str = "method") -> list[dict[str, Any]]:
+    """A row per method, which is told in the column ``name``: mean and interval of each measure."""
+    return [{name: method, **intervals(table[table["method"] == method], keys)} for method in methods]
+
+
+def loop_means(loops: pd.DataFrame, keys: Sequence[str], key: str, most: bool) -> list[dict[str, Any]]:
+    """Each way to decide: means, and ``lost``, how far it is behind ``exact`` by ``key``, of which ``most`` or least is best."""
+    rows = []
+    for method, own in loops.groupby("method", sort=False) if len(loops) else ():
+        lost, half = apart(loops, key, *(("exact", str(method)) if most else (str(method), "exact")))
+        rows.append({"decided by": method, "runs": len(own), **intervals(own, keys), "lost": lost, f"lost{HALF}": half})
+    return rows
 
 
 def frame_table(title: str, rows: Sequence[Mapping[str, Any]]) -> Table:

@@ -6,6 +6,7 @@ from ..pages.blocks import Animation, Code, DataTable, Facts, Figure, Folded, Te
 from ..pages.page import Page
 from ..pages.rendering import Block
 from ..plots.drawing import figure_without_display
+from .frames import framed
 from .study import Report, Study, StudySetting
 
 SHOWN_OBSERVATIONS = 1000
@@ -17,8 +18,6 @@ SHOWN_PICTURES = 60
 
 def page_of(study: Study, setting: StudySetting, report: Report) -> Page:
     """A page of facts, findings, figures, tables and notes; observations and the command are folded away."""
-    import pandas as pd
-
     findings, tables = (report.tables[:1], report.tables[1:]) if report.findings else ((), report.tables)
     size = f"{'in full' if setting.full else 'short'}, instances or runs: {setting.instances}, seed: {setting.seed}"
     cut = f"; interrupted: {report.done} of {report.asked} parts of the work were done" if report.interrupted else ""
@@ -36,7 +35,7 @@ def page_of(study: Study, setting: StudySetting, report: Report) -> Page:
         said.append(f"and {report.num_faults - len(report.faults)} violations more")
     blocks += [Text("\n".join(f"- {line}" for line in said))] if said else []
     if report.observations:
-        shown = pd.DataFrame(report.observations[:SHOWN_OBSERVATIONS])
+        shown = framed(report.observations[:SHOWN_OBSERVATIONS])
         more = len(report.observations) - len(shown)
         note = f"and {more:,} more; --out FOLDER writes all" if more else ""
         blocks.append(Folded(f"Observations ({len(report.observations):,})", [DataTable(shown, note=note)]))

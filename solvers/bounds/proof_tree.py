@@ -79,7 +79,7 @@ class ProofTree(ABC, Generic[N]):
 
     @abstractmethod
     def branch(self, node: N) -> bool:
-        """Give a node two children by ``look_at_all``; False where there was no time for both."""
+        """Give a node two children by ``look_at_all`` or ``divide``; False where there was no time for both."""
 
     def release(self, node: N) -> None:
         """Drop what only branching on the node needed."""
@@ -137,6 +137,14 @@ class ProofTree(ABC, Generic[N]):
                     heapq.heapify(self.open)
                 return
             yield child
+
+    def divide(self, node: N, statement: Any) -> bool:
+        """Give a node two children, by whether a statement holds; False where there was no time for both."""
+        children = type(node)(node, (statement, True)), type(node)(node, (statement, False))
+        if sum(1 for _ in self.look_at_all(node, children)) < 2:
+            return False
+        node.children = children
+        return True
 
     def restricted(self, node: N) -> Problem:
         """The problem that a node is about."""

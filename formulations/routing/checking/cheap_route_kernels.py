@@ -4,8 +4,8 @@ import numpy as np
 
 from ...kernels import kernel
 from ...stop_kernel import asked
-from .walk_kernels import DONE, FULL, NETWORK, STOPPED
-from .walk_networks import BITS, Network
+from .walk_kernels import NETWORK
+from .walk_networks import BITS, DONE, FULL, STOPPED, Network
 
 _NAMED = (Network,)
 """The named tuple that these types name."""

@@ -21,7 +21,7 @@ from ...stop import current_stop
 from ..problem import RoutingProblem
 from .known_features import Flags, Floats, Longs, routing_evidence
 from .set_partitioning_duals import CUSTOMERS, Merged, customers_of, entering, entries, given_rows, merged_walks, signed
-from .walk_networks import BITS, FAR
+from .walk_networks import BITS, DONE, FAR
 from .walks import Walks
 
 LABELS = 300_000
@@ -135,7 +135,6 @@ def listed_routes(walks: Walks, limit: int) -> tuple[Flags, Longs] | None:
     """All sets of customers with a route of reduced cost below ``limit``, shape (customers, sets), and the least that its moves cost; None
     where they are too many."""
     from .cheap_route_kernels import cheap_routes
-    from .walk_kernels import DONE
 
     network, rest = walks.bounded(limit)
     tails = np.repeat(np.arange(len(network.first) - 1), np.diff(network.first))

@@ -15,9 +15,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....instances.errors import InputError
+from ....instances.number_arrays import Flags as Flags, Floats as Floats, Longs as Longs
 from ....instances.routing.travel import EXPLICIT, Travel
 from ...evidence import checker
 
@@ -25,9 +25,6 @@ if TYPE_CHECKING:
     from ....instances.routing.vehicle_type import VehicleType
     from ..problem import RoutingProblem
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Longs = NDArray[np.int64]
 Check = Callable[["RoutingProblem", Mapping[str, Any]], float]
 
 RESOURCES = ("time", "load", "distance", "duration", "energy")

@@ -9,9 +9,7 @@ from numba.extending import intrinsic
 
 from ...kernels import kernel
 from ...stop_kernel import asked
-from .walk_networks import BITS, FAR, Network
-
-DONE, STOPPED, FULL = 0, 1, 2
+from .walk_networks import BITS, DONE, FAR, FULL, STOPPED, Network
 
 CHUNK = 64
 """Kept labels that are sorted together."""

@@ -16,6 +16,8 @@ from .relaxation import Resource, order_resource
 
 Ints = NDArray[np.int32]
 
+DONE, STOPPED, FULL = 0, 1, 2
+
 BITS = 63
 """Bits of a word that are used; the lowest of a label's first word of memory tells whether a needed move is still to be made."""
 
@@ -179,7 +181,7 @@ def whole_levels(resources: Sequence[Resource], usable: Flags, *, counted: bool)
         span = float(max(0, upper.max() - start))
         return bool((added == 0).mean() > 0.1) if added.size else False, span / float(added[added > 0].min(initial=max(1, int(span))))
 
-    exponents = [_exponent(resource, usable) for resource in resources]
+    exponents = [min(52 - math.frexp(_top(resource, usable))[1], 1000) for resource in resources]
     partners = [next((k for k, other in enumerate(resources) if other is one.above), -1) for one in resources]
     for k, partner in enumerate(partners):
         if partner >= 0:  # levels that are compared are counted in the same steps
@@ -210,10 +212,6 @@ def _limits(resource: Resource, usable: Flags) -> tuple[Floats, Floats, Floats]:
 def _top(resource: Resource, usable: Flags) -> float:
     limits = _limits(resource, usable)
     return max(abs(resource.start), *(float(np.abs(v).max(initial=0.0, where=np.isfinite(v))) for v in limits))
-
-
-def _exponent(resource: Resource, usable: Flags) -> int:
-    return min(52 - math.frexp(_top(resource, usable))[1], 1000)
 
 
 def _whole_level(resource: Resource, usable: Flags, exponent: int) -> tuple[Longs, int, Longs, Longs]:

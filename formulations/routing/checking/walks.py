@@ -13,7 +13,7 @@ import numpy as np
 from ...stop import Stop
 from .known_features import Flags, Floats, Longs
 from .relaxation import Resource
-from .walk_networks import BITS, FAR, Ints, Levels, Network, Row, network_of, whole_levels, with_needed
+from .walk_networks import BITS, DONE, FAR, FULL, STOPPED, Ints, Levels, Network, Row, network_of, whole_levels, with_needed
 
 QUICK = 30_000_000
 """Moves and comparisons after which walks are gone through backwards, too, before anything else is tried; some 0.3 s."""
@@ -151,8 +151,6 @@ class Walks:
 
     def _searched(self, which: int | None, limit: int, *, counted: bool) -> tuple[int | None, int]:
         """The least cost that was found, and the visits of the walk that has it, 0 without."""
-        from .walk_kernels import DONE, FULL, STOPPED
-
         marked = which if which is not None or not self.needed else 0
         network, rest = self._begun(counted=counted, marked=marked)
         wanted, visits = which is not None, 0
@@ -184,7 +182,7 @@ class Walks:
 
     def _sharpened(self, network: Network, rest: Longs, limit: int, wanted: bool, levels: Levels) -> Longs:
         """``rest``, or more by what walks cost that go backwards from the depot, on which fewer are remembered."""
-        from .walk_kernels import DONE, completions
+        from .walk_kernels import completions
 
         turned = network_of(self.reduced.T.copy(), self.usable.T, levels.backwards(), self._fewer_listed(), self.rows)
         if wanted:

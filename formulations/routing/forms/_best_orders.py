@@ -9,17 +9,13 @@ import math
 from collections.abc import Iterator
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ....instances.number_arrays import Flags, Floats, Longs
 from ...programs.size import TooLargeError
 from ..preparation import waiting_is_possible
 from ..problem import RoutingProblem
 from ._all_routes import Walk
 from ._objective import weights_of_levels
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Longs = NDArray[np.int64]
 
 MOST_SITES = 12
 """Sites of which all sets are looked at."""

@@ -4,17 +4,16 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import Stop
 from ....instances.errors import UsageError
 from ....instances.memory import fits, readable
+from ....instances.number_arrays import Flags as Flags, Floats as Floats, Longs
 from ...heuristic import HEURISTICS
 
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Sites = NDArray[np.int64]
+Sites = Longs
 
 MOST_SITES = 10_000
 """Sites between which all distances are held, at most."""

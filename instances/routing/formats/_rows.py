@@ -4,10 +4,9 @@ from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import Code, InputError
-from ...number_arrays import Floats
+from ...number_arrays import Flags, Floats, Longs
 from ...text import is_number, lines_of, numbers, shown
 
 
@@ -89,7 +88,7 @@ class Rows:
 
 
 def refuse(
-    bad: NDArray[np.bool_] | np.bool_, lines: Sequence[int] | NDArray[np.int64], message: str, found: Iterable[object], expected: str,
+    bad: Flags | np.bool_, lines: Sequence[int] | Longs, message: str, found: Iterable[object], expected: str,
     code: Code = "out-of-range",
 ) -> None:  # fmt: skip
     """Raise InputError for the first row that is ``bad``, with its line and what it holds."""

@@ -5,14 +5,13 @@ from collections.abc import Collection
 from dataclasses import dataclass, field
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import InputError
-from ...number_arrays import Floats
+from ...number_arrays import Floats, Longs
 from ...text import lines_of, number, numbers, shown, whole
 from ._rows import refuse, refuse_negative
 
-Lines = NDArray[np.int64]
+Lines = Longs
 
 SET_X = re.compile(r"X-n\d+-k\d+\Z", re.I)
 FLEET_IN_NAME = re.compile(r"-k(\d{1,9})\Z", re.I)

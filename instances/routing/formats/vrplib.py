@@ -32,11 +32,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...formats import FORMATS, Format
-from ...number_arrays import Floats
+from ...number_arrays import Flags, Floats
 from ...text import label, number, shown
 from ..fleet import with_problems
 from ..instance import RoutingInstance, Sites, VehicleType
@@ -258,7 +257,7 @@ Columns = dict[str, Any]
 """Arguments of ``Sites.of``."""
 
 
-def _sites(spec: Specification, at_depot: NDArray[np.bool_], kind: str) -> tuple[Columns, list[int] | None]:
+def _sites(spec: Specification, at_depot: Flags, kind: str) -> tuple[Columns, list[int] | None]:
     """Demand, service, ready and due times, and the lines that say most about each site."""
     n = len(at_depot)
     columns: Columns = {"demand": np.zeros((n, 1))}
@@ -289,7 +288,7 @@ def _demands(spec: Specification, n: int) -> tuple[Floats, Lines]:
     return node_table(spec, "DEMAND_SECTION", n, ("demand",) * max(1, width))
 
 
-def _services(spec: Specification, at_depot: NDArray[np.bool_]) -> tuple[Floats, Lines | None] | None:
+def _services(spec: Specification, at_depot: Flags) -> tuple[Floats, Lines | None] | None:
     """Service times, and their lines where they stand in a section; None where there are none."""
     if "SERVICE_TIME" in spec.headers:
         if "SERVICE_TIME_SECTION" in spec.sections:

@@ -6,16 +6,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...errors import InputError
 from ...generators import Draw
+from ...number_arrays import Floats
 from ...text import read_text
 from ...worlds import WORLDS, Setting, World, WorldKind
 from ..aerial_pictures import Arms
 from ..gaussian_process import GaussianProcess, SquaredExponential
-
-Floats = NDArray[np.float64]
 
 MOST_CELLS = 3600
 """Beyond it the covariance of all cells takes hundreds of megabytes."""
@@ -97,6 +95,8 @@ class HotspotWorld(World):
         if not actions:
             self.ended = True
             return
+        from scipy.ndimage import map_coordinates
+
         arm = actions[0]
         if isinstance(arm, bool) or not isinstance(arm, int | np.integer) or not 0 <= arm < len(self.arms):
             raise InputError("the robot is told no arm", expected=f"0 to {len(self.arms) - 1}", found=str(arm)[:40])
@@ -110,7 +110,9 @@ class HotspotWorld(World):
         layer = self.arms.layer(int(arm))
         places = self._pixels(int(arm), layer.side)
         noise = Draw(self.rng).normal(0.0, math.sqrt(layer.noise), len(places))
-        self.belief = self.belief.given(places, _bilinear(self.field, places) + noise, layer.noise)
+        # Bilinear between centres of cells and constant beyond.
+        seen = map_coordinates(self.field, [places[:, 1] - 0.5, places[:, 0] - 0.5], order=1, mode="nearest")
+        self.belief = self.belief.given(places, seen + noise, layer.noise)
 
     def _pixels(self, arm: int, side: int) -> Floats:
         """Places at which the pixels of a picture are measured; shape (pixels, 2)."""
@@ -132,13 +134,6 @@ class HotspotWorld(World):
             "arm": 100.0 * float(sums[self.arms.sums(self.belief.mean).argmax()] / sums.max()),
             "collected": float(self.arms.means(self.values)[own].sum()), "pictures": float(len(self.taken)), "left": self.left,
         }  # fmt: skip
-
-
-def _bilinear(field: Floats, places: Floats) -> Floats:
-    """The field at ``places``, shape (n, 2), bilinear between centres of cells and constant beyond."""
-    from scipy.ndimage import map_coordinates
-
-    return np.asarray(map_coordinates(field, [places[:, 1] - 0.5, places[:, 0] - 0.5], order=1, mode="nearest"))
 
 
 def bumps(draw: Draw, shape: tuple[int, int], count: int, spread: tuple[float, float], largest: float) -> Floats:

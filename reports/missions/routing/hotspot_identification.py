@@ -5,18 +5,16 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.problem import Problem
 from ....formulations.routing.problem import RoutingProblem
+from ....instances.number_arrays import Flags, Floats
 from ....instances.routing.aerial_pictures import Arms
 from ....instances.routing.instance import Sites, VehicleType
 from ....instances.routing.travel import EXPLICIT, Travel
 from ....instances.routing.worlds.hotspot_identification import HotspotObservation, HotspotWorld
 from ....instances.worlds import WORLDS, Setting, World
 from ..mission import MISSIONS, Actions, Decision, Mission, Scene
-
-Floats = NDArray[np.float64]
 
 SCALES = {("current", "decreasing"): 1.5, ("future", "decreasing"): 10.0, ("current", "increasing"): 0.5, ("future", "increasing"): 10.0}
 """Scale of beta by variance and schedule: section 5.6.1 of the source."""
@@ -28,7 +26,7 @@ def bonus_weight(scale: float, rate: float, pictures: int, schedule: str) -> flo
     return decay if schedule == "decreasing" else scale - decay
 
 
-def mean_variances(o: HotspotObservation, which: str, arms: NDArray[np.bool_], cells: str = "independent") -> Floats:
+def mean_variances(o: HotspotObservation, which: str, arms: Flags, cells: str = "independent") -> Floats:
     """Variance of the mean over each footprint as if its cells were independent, infinite but for ``arms``; shape (arms,).
 
     ``current``: of the belief; ``future``: of what is left of it once the cells of the footprint were measured from there. With
@@ -112,7 +110,7 @@ class HotspotIdentification(Mission):
         self._planned: list[int] = []
         return world
 
-    def indices(self, o: HotspotObservation, which: str, arms: NDArray[np.bool_]) -> Floats:
+    def indices(self, o: HotspotObservation, which: str, arms: Flags) -> Floats:
         """Upper confidence bounds of ``arms``, minus infinity for others; ``which`` is ``current`` or ``future``."""
         v = self.values
         scale = SCALES[which, v["schedule"]] if v["scale"] is None else v["scale"]

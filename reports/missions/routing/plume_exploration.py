@@ -145,7 +145,7 @@ class PlumeExploration(Mission):
     def actions(self, observation: PlumeObservation, problem: Problem | None, answer: Any) -> Actions:
         o = observation
         if not o.unvisited:
-            return _homewards(o)
+            return {robot: o.home for robot, cell in enumerate(o.robots) if not o.remaining[robot] and cell != o.home}
         if answer is None:
             return {}
         left, starts = _unclaimed(o), list(zip(o.robots, o.remaining, strict=True))
@@ -193,10 +193,6 @@ def _unclaimed(o: PlumeObservation) -> list[Cell]:
     """Cells that are seen, but neither visited nor the end of a flight."""
     claimed = {cell for cell, left in zip(o.robots, o.remaining, strict=True) if left}
     return [cell for cell in o.unvisited if cell not in claimed]
-
-
-def _homewards(o: PlumeObservation) -> dict[int, Cell]:
-    return {robot: o.home for robot, cell in enumerate(o.robots) if not o.remaining[robot] and cell != o.home}
 
 
 MISSIONS.add("plume-exploration", PlumeExploration)

@@ -15,7 +15,7 @@ from ...missions.arrays.fleet_energy import FleetEnergy
 from ...missions.running import run
 from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, NOT, SIGN, UNDECIDED, Finding
-from ..frames import HALF, apart, film_of, frame_table, mean_interval, times_apart
+from ..frames import HALF, apart, completed, decision_times, film_of, frame_table, framed, mean_interval, times_apart
 from ..processes import called, spread
 from ..study import Clip, Fault, Report, StudySetting, figure, study, thinned
 
@@ -78,14 +78,11 @@ def looped(seed: int) -> list[dict[str, Any]]:
     """Run both methods in the closed loop for one seed: a task for ``spread``."""
     rows = []
     for method, how in LOOPS.items():
-        log = run("fleet-energy", seed=seed, **FLEET, **how)
-        if log.attrs["limit"] == "interrupt":
-            raise KeyboardInterrupt
-        planned = log["seconds"][log["problems"] > 0] if "solver" in how else log["seconds"]
+        log = completed("fleet-energy", seed=seed, **FLEET, **how)
         last = log.iloc[-1]
         rows.append(
             {"part": "loop", "seed": seed, "method": method, **{key: float(last[key]) for key in ("covered", "takeoffs", "lost")},
-             "milliseconds": 1e3 * float(planned.mean()), "slowest": 1e3 * float(planned.max())}
+             **decision_times(log, log["problems"] >= ("solver" in how))}
         )  # fmt: skip
     return rows
 
@@ -115,13 +112,11 @@ def claimed(seed: int, name: str) -> list[dict[str, Any]]:
     claim="ceil(charge / flight) + 1 robots sustain a job for ever; 100 robots fly 4 to 5 at a time; of 26 the supported jobs fall 3, 2, 1",
 )
 def fleet_energy(setting: StudySetting) -> Report:
-    import pandas as pd
-
     tasks: list[tuple[Any, ...]] = [(part, seed) for part in (small, looped) for seed in setting.seeds]
     tasks += [(claimed, seed, name) for name in PLAYS for seed in setting.seeds]
     done = spread(called, tasks, setting.jobs, setting.told, lambda t: " ".join([t[0].__name__, *map(str, t[1:])]))
     played_rows, times = times_apart(done.rows)
-    runs = pd.DataFrame(played_rows)
+    runs = framed(played_rows)
     broken = broken_schedules(played_rows)
     rows = means(runs)
     played = film_of(FleetEnergy(), setting.seed, policy="one-by-one", robots=60, steps=120)

@@ -12,10 +12,9 @@ from ....instances.auctions.worlds.explore_map_search import WEIGHTS
 from ....solving.request import Request
 from ....solving.solve import solve
 from ...missions.auctions.explore_map_search import ExploreMapSearch, most_gain
-from ...missions.running import run
 from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
-from ..frames import HALF, apart, film_of, frame_table, intervals, mean_interval, times_apart
+from ..frames import HALF, apart, completed, decision_times, film_of, frame_table, framed, intervals, mean_interval, times_apart
 from ..processes import called, spread
 from ..study import Clip, Fault, Report, StudySetting, figure, study, thinned
 
@@ -76,9 +75,7 @@ def swept(seed: int, sweep: str, level: Any, policy: str) -> list[dict[str, Any]
     if sweep not in ("weights", "policy"):
         settings[sweep] = level
     mission = ExploreMapSearch()
-    log = run(mission, policy=policy, seed=seed, **settings)
-    if log.attrs["limit"] == "interrupt":
-        raise KeyboardInterrupt
+    log = completed(mission, policy=policy, seed=seed, **settings)
     last = log.iloc[-1]
     kept = {key: float(last[key]) for key in KEPT[:-2]}
     at = {f"at{step}": float(log["utility"].iloc[step - 1]) for step in range(EVERY, len(log) + 1, EVERY)}
@@ -103,14 +100,12 @@ def looped(seed: int, budget: int) -> list[dict[str, Any]]:
     bound = solve(relaxed, Request(solver="highs", time_limit=60.0)).bound
     assert isinstance(bound, float)
     for method, how in LOOPS.items():
-        log = run("explore-map-search", seed=seed, budget=budget, **SMALL, **how)
-        if log.attrs["limit"] == "interrupt":
-            raise KeyboardInterrupt
-        utility, decided = float(log["utility"].iloc[-1]), log["seconds"][log["seconds"] > 0]
+        log = completed("explore-map-search", seed=seed, budget=budget, **SMALL, **how)
+        utility = float(log["utility"].iloc[-1])
         rows.append(
             {"method": method, "seed": seed, "utility": utility, "bound": bound, "below": 100.0 * (1.0 - utility / bound),
              "silent": float(log["silent"].max()), "silence": SMALL["silence"], "steps": len(log), "budget": budget,
-             "contradictions": len(log.attrs["faults"]), "milliseconds": 1e3 * float(decided.mean()), "slowest": 1e3 * float(decided.max())}
+             "contradictions": len(log.attrs["faults"]), **decision_times(log)}
         )  # fmt: skip
     return rows
 
@@ -124,8 +119,6 @@ def looped(seed: int, budget: int) -> list[dict[str, Any]]:
     claim="each weight gains its own utility; relays gain no less than robots alone; utility grows with the team and with the silence",
 )
 def explore_map_search(setting: StudySetting) -> Report:
-    import pandas as pd
-
     each = [
         (sweep, level, policy)
         for sweep, levels in SWEEPS.items()
@@ -140,7 +133,7 @@ def explore_map_search(setting: StudySetting) -> Report:
     ]
     done = spread(called, tasks, setting.jobs, setting.told, lambda t: f"seed {t[1]}: {t[0].__name__} {' '.join(map(str, t[2:]))}")
     played, times = times_apart(done.rows)
-    sweeps, loops = (pd.DataFrame([row for row in played if key in row]) for key in ("sweep", "method"))
+    sweeps, loops = (framed(played, key) for key in ("sweep", "method"))
     rows, faults = means(sweeps, ["sweep", "level", "policy"], KEPT), broken(played)
     lost = means(loops, ["method"], ("utility", "below"))
     for row in lost:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...plots.drawing import band, plain
 from ..findings import LOST, Finding
-from ..frames import HALF, apart, frame_table, mean_interval, play
+from ..frames import HALF, apart, frame_table, framed, mean_interval, play
 from ..processes import spread
 from ..study import Report, StudySetting, figure, study
 
@@ -47,20 +47,18 @@ NOTES = (
     claim="the partition is better than the auction in gain, idle time and loss, for 2 to 5 robots",
 )
 def information_gathering(setting: StudySetting) -> Report:
-    import pandas as pd
-
     teams, steps = (TEAMS, STEPS) if setting.full else (TEAMS[:2], 60)
     tasks = [
         ("information-gathering", METHODS, steps, seed, {"robots": robots}, {"robots": robots}, tuple(TITLES), True)
         for seed in setting.seeds for robots in teams
     ]  # fmt: skip
     done = spread(play, tasks, setting.jobs, setting.told, lambda task: f"{task[4]['robots']} robots, run {task[3]}")
-    runs = pd.DataFrame(done.rows)
+    runs = framed(done.rows)
     rows = means(runs)
     return Report(
         "information-gathering", information_gathering.summary,
         frame_table(f"Means of runs of {steps} steps, and how far above the auction on the same runs", rows), tuple(rows), tuple(done.rows),
-        figures=(metrics_figure(pd.DataFrame(rows)),), notes=NOTES, findings=tuple(findings(runs, rows)), **done.progress(),
+        figures=(metrics_figure(framed(rows)),), notes=NOTES, findings=tuple(findings(runs, rows)), **done.progress(),
     )  # fmt: skip
 
 

@@ -9,7 +9,7 @@ from ....instances.auctions.orchard_grid import OrchardGrid
 from ....instances.auctions.orchard_rules import OrchardRules, draw_routes
 from ...plots.drawing import band, plain
 from ..findings import LOST, NOT, SIGN, UNDECIDED, Finding
-from ..frames import HALF, apart, frame_table, mean_interval
+from ..frames import HALF, apart, frame_table, framed, mean_interval
 from ..processes import spread
 from ..study import Figure, Report, StudySetting, study
 
@@ -72,17 +72,15 @@ def days_of(seed: int, teams: tuple[int, ...], groups: tuple[int, ...]) -> list[
     claim="the auction needs fewer steps and returns more bins than the greedy baseline, for 2 to 20 robots",
 )
 def orchard(setting: StudySetting) -> Report:
-    import pandas as pd
-
     teams, groups = (TEAMS, GROUPS) if setting.full else ((2, 8), (4,))
     tasks = [(seed, teams, groups) for seed in setting.seeds]
     done = spread(days_of, tasks, setting.jobs, setting.told, lambda task: f"day {task[0]}")
-    days = pd.DataFrame(done.rows)
+    days = framed(done.rows)
     steps, effects = steps_rows(days), effects_rows(days)
     return Report(
         "orchard", orchard.summary,
         frame_table(f"Steps until all bins are home, bins by step {HORIZON}, steps for which pickers wait; means of days", steps),
-        tuple(steps), tuple(done.rows), figures=(ablation_figure(pd.DataFrame(steps), pd.DataFrame(effects)),), notes=FACTORIAL,
+        tuple(steps), tuple(done.rows), figures=(ablation_figure(framed(steps), framed(effects)),), notes=FACTORIAL,
         findings=tuple(findings(days, effects)),
         further=(
             frame_table("Percent of greedy+baseline's steps saved on the same days", effects),

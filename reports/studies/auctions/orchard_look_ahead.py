@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 from ...plots.drawing import band, plain
 from ..findings import LOST, Finding
-from ..frames import HALF, apart, frame_table, mean_interval, play
+from ..frames import HALF, apart, frame_table, framed, mean_interval, play
 from ..processes import spread
 from ..study import Report, StudySetting, figure, study
 
@@ -32,15 +32,13 @@ TEAMS = (2, 4, 8, 12)
     claim="only the first bin of a plan matters: later ones add noise, as other robots take them",
 )
 def orchard_look_ahead(setting: StudySetting) -> Report:
-    import pandas as pd
-
     teams = TEAMS if setting.full else TEAMS[-2:-1]
     tasks = [
         ("orchard", METHODS, 10_000, seed, {"rows": 5, "robots": robots}, {"robots": robots}, ("finished", "idle_worker_steps"), True)
         for seed in setting.seeds for robots in teams
     ]  # fmt: skip
     done = spread(play, tasks, setting.jobs, setting.told, lambda task: f"{task[4]['robots']} robots, day {task[3]}")
-    days = pd.DataFrame(done.rows)
+    days = framed(done.rows)
     rows = look_ahead_rows(days)
     findings = [Finding("plans over several bins", "unsatisfactory", "see the table", LOST, "no numbers, and no description of the plans")]
     for robots, alike in days.groupby("robots"):
@@ -49,7 +47,7 @@ def orchard_look_ahead(setting: StudySetting) -> Report:
         findings.append(Finding.of_lead(f"{robots} robots: schedule above the auction", "no better", lead, half, "steps", why))
     return Report(
         "orchard-look-ahead", orchard_look_ahead.summary, frame_table("Steps until 80 bins are home, and above the auction", rows),
-        tuple(rows), tuple(done.rows), figures=(_figure(pd.DataFrame(rows)),), findings=tuple(findings),
+        tuple(rows), tuple(done.rows), figures=(_figure(framed(rows)),), findings=tuple(findings),
         notes=("new bins are brought ahead by all; a schedule is solved anew at every decision, its first trips are begun",),
         **done.progress(),
     )  # fmt: skip

@@ -14,10 +14,9 @@ from ....solving.request import Request
 from ....solving.solve import solve
 from ...missions.joint.persistent_exploration import PersistentExploration
 from ...missions.mission import Decision
-from ...missions.running import run
 from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
-from ..frames import apart, film_of, frame_table, intervals, mean_interval, times_apart
+from ..frames import apart, completed, decision_times, film_of, frame_table, framed, mean_interval, method_means, times_apart
 from ..processes import spread
 from ..study import Clip, Fault, Report, StudySetting, figure, study, thinned
 
@@ -102,9 +101,7 @@ def explored(seed: int, names: Sequence[str], steps: int) -> list[dict[str, Any]
     tasks = [("run", name, PersistentExploration(), steps, RUNS[name]) for name in names]
     tasks += [("loop", name, Examined(), steps // 3, {"waypoints": SELECTED, **how}) for name, how in LOOPS.items()]
     for kind, name, mission, length, how in tasks:
-        log = run(mission, seed=seed, steps=length, **{**PLACE, **how})
-        if log.attrs["limit"] == "interrupt":
-            raise KeyboardInterrupt
+        log = completed(mission, seed=seed, steps=length, **{**PLACE, **how})
         row: dict[str, Any] = {"kind": kind, "seed": seed, "method": name, **figures_of(log)}
         if kind == "loop":
             row["lost"] = 100.0 * (1.0 - log["collected"].sum() / log["best"].sum())
@@ -117,8 +114,7 @@ def explored(seed: int, names: Sequence[str], steps: int) -> list[dict[str, Any]
             change = np.isfinite(mission.played.terrain.period).ravel()
             seen = (mission.played.ever & ~mission.played.terrain.known).ravel()
             row["learnt"], row["learnt_static"] = (float(np.median(map_.period[seen & part])) for part in (change, ~change))
-        decided = log["seconds"][log["seconds"] > 0]
-        rows.append({**row, "milliseconds": 1e3 * float(decided.mean()), "slowest": 1e3 * float(decided.max())})
+        rows.append({**row, **decision_times(log)})
     return rows
 
 
@@ -131,27 +127,20 @@ def explored(seed: int, names: Sequence[str], steps: int) -> list[dict[str, Any]
     claim="the system converges faster, to 59 % of the entropy and 71 % of the divergence of pure greedy; robots count more than waypoints",
 )
 def persistent_exploration(setting: StudySetting) -> Report:
-    import pandas as pd
-
     names, steps = (tuple(RUNS), 120) if setting.full else (SHORT, 30)
     done = spread(explored, [(seed, names, steps) for seed in setting.seeds], setting.jobs, setting.told, lambda task: f"seed {task[0]}")
     observed, times = times_apart(done.rows)
-    table = pd.DataFrame(observed)
+    table = framed(observed)
     runs, loops = table[table["kind"] == "run"], table[table["kind"] == "loop"]
-    rows, faults = means(runs, names, MEASURES), broken(observed)
-    looped = frame_table(f"{SELECTED} waypoints a round, means", means(loops, tuple(LOOPS), (*MEASURES[:5], "lost", "longer", "gap")))
+    rows, faults = method_means(runs, names, MEASURES, "run"), broken(observed)
+    looped = method_means(loops, LOOPS, (*MEASURES[:5], "lost", "longer", "gap"), "run")
     played = film_of(PersistentExploration(), setting.seed, steps=40, **SYSTEM, **{**PLACE, "robots": 3})
     return Report(
         "persistent-exploration", persistent_exploration.summary, frame_table("Means of runs", rows), tuple(rows), tuple(observed),
         thinned(faults), len(faults), (runs_figure(runs, names),), NOTES, findings=tuple(findings(runs, loops, names)),
-        further=(looped, times),
+        further=(frame_table(f"{SELECTED} waypoints a round, means", looped), times),
         clips=(Clip(lambda: played, "three robots keep a map up to date: cells told rightly and surely"),), **done.progress(),
     )  # fmt: skip
-
-
-def means(table: pd.DataFrame, methods: Sequence[str], measures: Sequence[str]) -> list[dict[str, Any]]:
-    """A row per method: mean and interval of each measure."""
-    return [{"run": name, **intervals(table[table["method"] == name], measures)} for name in methods]
 
 
 def broken(rows: Sequence[dict[str, Any]]) -> list[Fault]:

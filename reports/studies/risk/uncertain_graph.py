@@ -12,7 +12,7 @@ from ...missions.risk.uncertain_graph import UncertainGraphMission
 from ...plots.drawing import plain
 from ...plots.risk.uncertain_path import draw_edges, draw_vertices, places
 from ..findings import LOST, Finding
-from ..frames import HALF, frame_table, mean_interval, play
+from ..frames import HALF, frame_table, framed, mean_interval, play
 from ..processes import Done, spread
 from ..study import Figure, Report, StudySetting, study
 
@@ -95,9 +95,7 @@ def uncertain_rasters(setting: StudySetting) -> Report:
 
 def reported(name: str, summary: str, done: Done, figure: str, setting: StudySetting, **drawn: Any) -> Report:
     """The report of a comparison; ``drawn`` are the settings of the graph on which walks are shown."""
-    import pandas as pd
-
-    walks = pd.DataFrame(done.rows)
+    walks = framed(done.rows)
     rows = excess(walks)
     images = "; the aerial images and the sizes of the filters are not published, and scenes are drawn here" if "scene" in drawn else ""
     claims = [Finding(f"{figure}: excess over hindsight", "plotted", "see the table", LOST, f"the plots' numbers are lost{images}")]

@@ -7,10 +7,9 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from ...missions.routing.fire_monitoring import FireMonitoring, least_possible
-from ...missions.running import run
 from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
-from ..frames import HALF, apart, film_of, frame_table, intervals, mean_interval, times_apart
+from ..frames import HALF, apart, completed, decision_times, film_of, frame_table, framed, intervals, mean_interval, times_apart
 from ..processes import spread
 from ..study import Clip, Fault, Report, StudySetting, figure, study, thinned
 
@@ -59,15 +58,12 @@ def monitored(seed: int, full: bool) -> list[dict[str, Any]]:
     rows = []
     for kind, method, how in plays:
         mission = FireMonitoring()
-        log = run(mission, seed=seed, steps=horizon if kind == "still" else steps, **how)
-        if log.attrs["limit"] == "interrupt":
-            raise KeyboardInterrupt
-        decided = log["seconds"][log["seconds"] > 0]
+        log = completed(mission, seed=seed, steps=horizon if kind == "still" else steps, **how)
         row = {
             "kind": kind, "method": method, "seed": seed, "waits": float(log["worst_waits"].mean()),
             "final": float(log["worst_waits"].iloc[-1]), "hotspots": float(log["hotspots"].mean()),
             "over_fire": float(log["over_fire"].iloc[-1]), "curve": log["worst_waits"].iloc[EVERY - 1 :: EVERY].tolist(),
-            "milliseconds": 1e3 * float(decided.mean()), "slowest": 1e3 * float(decided.max()),
+            **decision_times(log),
         }  # fmt: skip
         rows.append(row)
     return [*rows, {"kind": "bound", "method": "best", "seed": seed, **optimum(seed, horizon)}]
@@ -92,12 +88,10 @@ def optimum(seed: int, steps: int) -> dict[str, float]:
     claim="weighted greedy keeps J below that of circling the perimeter, for each threshold of intensity",
 )
 def fire_monitoring(setting: StudySetting) -> Report:
-    import pandas as pd
-
     tasks = [(seed, setting.full) for seed in setting.seeds]
     done = spread(monitored, tasks, setting.jobs, setting.told, lambda task: f"seed {task[0]}")
     observed, times = times_apart(done.rows)
-    table = pd.DataFrame(observed)
+    table = framed(observed)
     rows, faults = means(table), broken_bounds(table)
     played = film_of(FireMonitoring(), setting.seed, policy="weighted-greedy", steps=150)
     return Report(

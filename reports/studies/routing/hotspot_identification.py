@@ -13,10 +13,9 @@ from ....solving.request import Request
 from ....solving.solve import solve
 from ...missions.mission import Decision
 from ...missions.routing.hotspot_identification import HotspotIdentification, picture_route
-from ...missions.running import run
 from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
-from ..frames import HALF, apart, film_of, frame_table, intervals, mean_interval, times_apart
+from ..frames import HALF, apart, completed, decision_times, film_of, frame_table, framed, mean_interval, method_means, times_apart
 from ..processes import spread
 from ..study import Clip, Fault, Report, StudySetting, figure, study, thinned
 
@@ -95,14 +94,11 @@ class Examined(HotspotIdentification):
 
 def flown(seed: int, kind: str, name: str, mission: HotspotIdentification, how: Mapping[str, Any]) -> dict[str, Any]:
     """A row of one run: its last step, and times of decisions."""
-    log = run(mission, seed=seed, **how)
-    if log.attrs["limit"] == "interrupt":
-        raise KeyboardInterrupt
-    last, planned = log.iloc[-1], log["seconds"][log["seconds"] > 0]
+    log = completed(mission, seed=seed, **how)
     kept = ("point", "arm", "collected", "pictures", "left")
-    row = {"kind": kind, "method": name, "seed": seed, **{key: float(last[key]) for key in kept}}
+    row = {"kind": kind, "method": name, "seed": seed, **{key: float(log[key].iloc[-1]) for key in kept}}
     row["lost"] = float(log["lost"][log["problems"] > 0].mean()) if "lost" in log else np.nan
-    return {**row, "milliseconds": 1e3 * float(planned.mean()), "slowest": 1e3 * float(planned.max())}
+    return {**row, **decision_times(log)}
 
 
 def series(seed: int, full: bool) -> list[dict[str, Any]]:
@@ -140,19 +136,18 @@ def against_hindsight(rows: list[dict[str, Any]], mission: HotspotIdentification
     claim="future variance is better than current, a window better than none, and all better than block UCL and boustrophedon",
 )
 def hotspot_identification(setting: StudySetting) -> Report:
-    import pandas as pd
-
     done = spread(series, [(seed, setting.full) for seed in setting.seeds], setting.jobs, setting.told, lambda task: f"seed {task[0]}")
     observed, times = times_apart(done.rows)
-    table = pd.DataFrame(observed)
+    table = framed(observed)
     kinds: dict[str, pd.DataFrame] = {kind: table[table["kind"] == kind] for kind in ("table", *VARIANTS, "budget", "loop")}
-    rows, faults = means(kinds["table"], METHODS, ("point", "arm", "collected", "pictures")), broken_bounds(observed)
+    rows, faults = method_means(kinds["table"], METHODS, ("point", "arm", "collected", "pictures")), broken_bounds(observed)
     for row, printed in zip(rows, PRINTED, strict=True):
         row["published point"] = printed
-    loops = means(kinds["loop"], LOOPS, ("point", "collected", "below", "lost"))
+    loops = method_means(kinds["loop"], LOOPS, ("point", "collected", "below", "lost"))
     for row in loops:
         row["points lost"], row[f"points lost{HALF}"] = apart(kinds["loop"], "point", "exact", row["method"])
-    others = [frame_table(f"With {kind}: means", means(kinds[kind], BOUNDS, ("point", "arm"))) for kind in VARIANTS if len(kinds[kind])]
+    varied = {kind: method_means(kinds[kind], BOUNDS, ("point", "arm")) for kind in VARIANTS if len(kinds[kind])}
+    others = [frame_table(f"With {kind}: means", own) for kind, own in varied.items()]
     played = film_of(HotspotIdentification(), setting.seed, heuristic="greedy-orienteering")
     return Report(
         "hotspot-identification", hotspot_identification.summary, frame_table("Table 5.1 again: means", rows), tuple(rows),
@@ -160,11 +155,6 @@ def hotspot_identification(setting: StudySetting) -> Report:
         findings=tuple(findings(kinds)), further=(frame_table(LOOPED, loops), *others, times),
         clips=(Clip(lambda: played, "greedy routes among the arms of the largest confidence bounds"),), **done.progress(),
     )  # fmt: skip
-
-
-def means(table: pd.DataFrame, methods: Mapping[str, Any], keys: Sequence[str]) -> list[dict[str, Any]]:
-    """A row per method: mean and interval of each measure."""
-    return [{"method": name, **intervals(table[table["method"] == name], keys)} for name in methods]
 
 
 def broken_bounds(rows: Sequence[dict[str, Any]]) -> list[Fault]:

@@ -10,7 +10,7 @@ from ....instances.routing.occupancy import RangeSensor, divergence, entropy
 from ....instances.routing.occupancy_maps import MarkovMap, cell_worth
 from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
-from ..frames import apart, frame_table, intervals, mean_interval
+from ..frames import apart, frame_table, framed, intervals, mean_interval
 from ..processes import spread
 from ..study import Report, StudySetting, figure, study
 
@@ -102,14 +102,12 @@ def task(seed: int, steps: int, names: Sequence[str]) -> list[dict[str, Any]]:
     claim="information and misfit together respond faster, with less entropy and divergence, than random allocation or either alone",
 )
 def observation_allocation(setting: StudySetting) -> Report:
-    import pandas as pd
-
     steps = 1000 if setting.full else 500
     names = tuple(RUNS) if setting.full else tuple(name for name in RUNS if name.endswith(", 200"))
     tasks = [(seed, steps, names) for seed in setting.seeds]
     done = spread(task, tasks, setting.jobs, setting.told, lambda one: f"seed {one[0]}")
     observed = done.rows
-    table = pd.DataFrame(observed)
+    table = framed(observed)
     rows = [{"run": name, **intervals(table[table["method"] == name], MEASURES)} for name in names]
     return Report(
         "observation-allocation", observation_allocation.summary, frame_table("Means of runs", rows), tuple(rows), tuple(observed),

@@ -12,7 +12,7 @@ from ...missions.routing.plume_exploration import PlumeExploration, covering, la
 from ...missions.running import run
 from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
-from ..frames import HALF, apart, film_of, frame_table, intervals, mean_interval, times_apart
+from ..frames import HALF, completed, decision_times, film_of, frame_table, framed, loop_means, mean_interval, times_apart
 from ..processes import called, spread
 from ..study import Clip, Fault, Report, StudySetting, figure, study, thinned
 from .plume_bounds import longest_time, proved_ratio, shortest_time
@@ -70,13 +70,10 @@ def looped(seed: int) -> list[dict[str, Any]]:
     rows: list[dict[str, Any]] = []
     mission = PlumeExploration()
     for method, how in LOOPS.items():
-        log = run(mission, seed=seed, **SMALL, **how)
-        if log.attrs["limit"] == "interrupt":
-            raise KeyboardInterrupt
-        decided = log["seconds"][log["seconds"] > 0]
+        log = completed(mission, seed=seed, **SMALL, **how)
         rows.append(
             {"method": method, "seed": seed, "time": float(log["clock"].iloc[-1]), "finished": float(log["finished"].iloc[-1]),
-             "milliseconds": 1e3 * float(decided.mean()), "slowest": 1e3 * float(decided.max())}
+             **decision_times(log)}
         )  # fmt: skip
     w = mission.played
     whole = covering(w.start, [(w.start, 0.0)] * len(w.robots), sorted(w.cells - {w.start}), w.speed, w.drift, "hindsight")
@@ -96,20 +93,18 @@ def looped(seed: int) -> list[dict[str, Any]]:
     claim="times stay well below the upper bound, grow with the plume and fall with robots and speed; a competitive ratio O(R / log R)",
 )
 def plume_exploration(setting: StudySetting) -> Report:
-    import pandas as pd
-
     levels = [(key, level) for key, own in SWEEPS.items() for level in own[:: 1 if setting.full else 2]]
     tasks = [(looped, seed) for seed in setting.seeds] + [(swept, seed, *one) for seed in setting.seeds for one in levels]
     done = spread(called, tasks, setting.jobs, setting.told, lambda t: f"seed {t[1]}: {t[2:] or 'loops'}")
     played_rows, times = times_apart(done.rows)
-    loops = pd.DataFrame([row for row in played_rows if "method" in row])
-    sweeps = pd.DataFrame([row for row in played_rows if "sweep" in row])
+    loops = framed(played_rows, "method")
+    sweeps = framed(played_rows, "sweep")
     rows, faults = means(sweeps), broken_bounds(played_rows)
     played = film_of(PlumeExploration(), setting.seed, robots=6, cells=60, policy="depth-first")
     return Report(
         "plume-exploration", plume_exploration.summary, frame_table("Depth-first exploration: means, and bounds", rows), tuple(rows),
         tuple(played_rows), thinned(faults), len(faults), figures=(sweeps_figure(sweeps),) if len(sweeps) else (), notes=NOTES,
-        findings=tuple(findings(sweeps)), further=(frame_table(LOOPED, loop_means(loops)), times),
+        findings=tuple(findings(sweeps)), further=(frame_table(LOOPED, loop_means(loops, ("time", "above"), "above", most=False)), times),
         clips=(Clip(lambda: played, "six robots explore a plume of 60 cells depth first"),), **done.progress(),
     )  # fmt: skip
 
@@ -122,17 +117,6 @@ def means(sweeps: pd.DataFrame) -> list[dict[str, Any]]:
         bounds = {name: float(own[name].mean()) for name in ("longest", "shortest", "lawn_mower")}
         row = {"sweep": key, "level": level, "runs": len(own), "time": time, f"time{HALF}": half}
         rows.append({**row, "least": float(own["time"].min()), "most": float(own["time"].max()), **bounds})
-    return rows
-
-
-def loop_means(loops: pd.DataFrame) -> list[dict[str, Any]]:
-    """Each way to decide on small plumes: time, percent above hindsight and above the exact loop."""
-    rows: list[dict[str, Any]] = []
-    for method in LOOPS if len(loops) else ():
-        own, row = loops[loops["method"] == method], {"decided by": method, "runs": int((loops["method"] == method).sum())}
-        row |= intervals(own, ("time", "above"))
-        row["lost"], row[f"lost{HALF}"] = apart(loops, "above", method, "exact")
-        rows.append(row)
     return rows
 
 

@@ -13,7 +13,7 @@ from ...missions.routing.unreliable_communication import UnreliableCommunication
 from ...missions.running import run
 from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
-from ..frames import HALF, apart, film_of, frame_table, intervals, mean_interval, times_apart
+from ..frames import HALF, apart, completed, decision_times, film_of, frame_table, framed, intervals, loop_means, mean_interval, times_apart
 from ..processes import called, spread
 from ..study import Clip, Fault, Report, StudySetting, figure, study, thinned
 
@@ -65,12 +65,9 @@ VAIN = "ways to meetings and waits in vain cost more than sacrifices bring"
 
 def last_row(mission: UnreliableCommunication, seed: int, **how: Any) -> dict[str, Any]:
     """The end of a run, with the milliseconds of a step."""
-    log = run(mission, seed=seed, **how)
-    if log.attrs["limit"] == "interrupt":
-        raise KeyboardInterrupt
-    last, times = log.iloc[-1], 1e3 * log["seconds"][log["seconds"] > 0]
-    kept = {name: float(last[name]) for name in ("returned", "explored", "energy", "step")}
-    return {"seed": seed, **kept, "milliseconds": float(times.mean()), "slowest": float(times.max())}
+    log = completed(mission, seed=seed, **how)
+    kept = {name: float(log[name].iloc[-1]) for name in ("returned", "explored", "energy", "step")}
+    return {"seed": seed, **kept, **decision_times(log)}
 
 
 def swept(seed: int, floor: str, robots: int, battery: int) -> list[dict[str, Any]]:
@@ -105,20 +102,18 @@ def looped(seed: int) -> list[dict[str, Any]]:
     claim="the roles bring 5 to 18 % more of the map to the base, never less; more so with more robots",
 )
 def unreliable_communication(setting: StudySetting) -> Report:
-    import pandas as pd
-
     points = [(floor, *point) for floor in FLOORS for point in (POINTS if setting.full else POINTS[:3:2])]
     tasks = [(looped, seed) for seed in setting.seeds] + [(swept, seed, *one) for seed in setting.seeds for one in points]
     done = spread(called, tasks, setting.jobs, setting.told, lambda t: f"seed {t[1]}: {t[2:] or 'loops'}")
     played, times = times_apart(done.rows)
-    loops = pd.DataFrame([row for row in played if "loop" in row])
-    sweeps = pd.DataFrame([row for row in played if "floor" in row])
+    loops = framed(played, "loop")
+    sweeps = framed(played, "floor")
     rows, faults = means(sweeps), broken(played)
     film = film_of(UnreliableCommunication(), setting.seed, policy="nearest-frontier", robots=4)
     return Report(
         "unreliable-communication", unreliable_communication.summary, frame_table("Percent of the floor that the base knows", rows),
         tuple(rows), tuple(played), thinned(faults), len(faults), figures=(gains_figure(rows),) if rows else (), notes=NOTES,
-        findings=tuple(findings(sweeps)), further=(frame_table(LOOPED, loop_means(loops)), times),
+        findings=tuple(findings(sweeps)), further=(frame_table(LOOPED, loop_means(loops, ("cells", "share"), "share", most=True)), times),
         clips=(Clip(lambda: film, "four robots among rooms; m: to a meeting, w: waits, r: returns, s: searches its relay, d: done"),),
         **done.progress(),
     )  # fmt: skip
@@ -134,17 +129,6 @@ def means(sweeps: pd.DataFrame) -> list[dict[str, Any]]:
             row |= intervals(part, ("returned", "explored"))
             row["gain"], row[f"gain{HALF}"] = apart(own, "returned", method, "home")
             rows.append({**row, "gain_percent": 100.0 * row["gain"] / (row["returned"] - row["gain"])})
-    return rows
-
-
-def loop_means(loops: pd.DataFrame) -> list[dict[str, Any]]:
-    """Each way to decide in mazes."""
-    rows: list[dict[str, Any]] = []
-    for method in LOOPS if len(loops) else ():
-        own, row = loops[loops["method"] == method], {"decided by": method, "runs": int((loops["method"] == method).sum())}
-        row |= intervals(own, ("cells", "share"))
-        row["lost"], row[f"lost{HALF}"] = apart(loops, "share", "exact", method)
-        rows.append(row)
     return rows
 
 

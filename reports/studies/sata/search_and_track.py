@@ -11,11 +11,10 @@ from ....instances.worlds import World
 from ....solving.request import Request
 from ....solving.solve import solve
 from ...missions.mission import Decision
-from ...missions.running import run
 from ...missions.sata.search_and_track import SearchAndTrack
 from ...plots.drawing import COLOURS, plain
 from ..findings import LOST, Finding
-from ..frames import apart, film_of, frame_table, intervals, mean_interval, times_apart
+from ..frames import apart, completed, decision_times, film_of, frame_table, framed, mean_interval, method_means, times_apart
 from ..processes import spread
 from ..study import Clip, Report, StudySetting, figure, study
 
@@ -87,14 +86,11 @@ def flown(seed: int, steps: int, robot_step: float) -> list[dict[str, Any]]:
     tasks = [("flight", name, steps, {"robot_step": robot_step, **how}, SearchAndTrack) for name, how in FLIGHTS.items()]
     tasks += [("loop", name, 300, {**TEAM, **how}, Examined) for name, how in LOOPS.items()]
     for kind, name, length, how, mission in tasks:
-        log = run(mission(), seed=seed, steps=length, **how)
-        if log.attrs["limit"] == "interrupt":
-            raise KeyboardInterrupt
-        planned = log["seconds"] if kind == "flight" or "policy" in how else log["seconds"][log["problems"] > 0]
+        log = completed(mission(), seed=seed, steps=length, **how)
         row: dict[str, Any] = {"kind": kind, "seed": seed, "method": name, **{key: float(log[key].mean()) for key in MEASURES}}
         row["variance_worst"] = float(log["variance"].max())
         row["lost"] = float(log["lost"].mean()) if "lost" in log else math.nan
-        rows.append({**row, "milliseconds": 1e3 * float(planned.mean()), "slowest": 1e3 * float(planned.max())})
+        rows.append({**row, **decision_times(log, log["problems"] >= (kind == "loop" and "policy" not in how))})
     return rows
 
 
@@ -107,27 +103,20 @@ def flown(seed: int, steps: int, robot_step: float) -> list[dict[str, Any]]:
     claim="repulsion at the border of the field of view avoids false negatives; the largest Gaussian finds fewer targets than a lawn mower",
 )
 def search_and_track(setting: StudySetting) -> Report:
-    import pandas as pd
-
     steps, robot_step = (7278, 0.5) if setting.full else (600, 2.0)
     done = spread(flown, [(seed, steps, robot_step) for seed in setting.seeds], setting.jobs, setting.told, lambda task: f"seed {task[0]}")
     observed, times = times_apart(done.rows)
-    table = pd.DataFrame(observed)
+    table = framed(observed)
     flights, loops = table[table["kind"] == "flight"], table[table["kind"] == "loop"]
-    rows = means(flights, FLIGHTS)
+    rows, looped = (method_means(table, methods, (*MEASURES, "lost")) for table, methods in ((flights, FLIGHTS), (loops, LOOPS)))
     played = film_of(SearchAndTrack(), setting.seed, steps=300, heuristic="sequential-greedy", **TEAM)
     return Report(
         "search-and-track", search_and_track.summary, frame_table("One robot: means of steps and runs", rows),
         tuple(rows), tuple(observed),
         figures=(loop_figure(loops),), notes=NOTES, findings=tuple(findings(flights, loops)),
-        further=(frame_table("Teams of three: means, and percent of the worth that plans lose", means(loops, LOOPS)), times),
+        further=(frame_table("Teams of three: means, and percent of the worth that plans lose", looped), times),
         clips=(Clip(lambda: played, "three robots share out what the filter is least sure of, greedily"),), **done.progress(),
     )  # fmt: skip
-
-
-def means(table: pd.DataFrame, methods: Sequence[str] | dict[str, Any]) -> list[dict[str, Any]]:
-    """A row per method: mean and interval of each measure."""
-    return [{"method": name, **intervals(table[table["method"] == name], (*MEASURES, "lost"))} for name in methods]
 
 
 PUSHED = "what is pushed out is out of sight, and stays a track where there is no target"

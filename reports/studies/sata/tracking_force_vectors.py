@@ -8,7 +8,7 @@ import numpy as np
 
 from ...plots.drawing import plain
 from ..findings import LOST, Finding
-from ..frames import HALF, apart, frame_table, mean_interval, play
+from ..frames import HALF, apart, frame_table, framed, mean_interval, play
 from ..processes import spread
 from ..study import Report, StudySetting, figure, study
 
@@ -67,9 +67,7 @@ def tracking_force_vectors(setting: StudySetting) -> Report:
 
 def force_vector_rows(logs: Sequence[dict[str, Any]]) -> list[dict[str, Any]]:
     """Targets observed and kept in single steps, and the time averages of long runs, each with its lead over force vectors."""
-    import pandas as pd
-
-    table = pd.DataFrame(logs)
+    table = framed(logs)
     single, long = table[table["run"] == "single"], table[table["run"] == "long"]
     averages = long.groupby(["targets", "method", "seed"], as_index=False)["observed"].mean()
     rows = []

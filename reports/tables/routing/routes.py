@@ -93,10 +93,6 @@ def _spread(name: str, values: dict[str, float]) -> list[Row]:
     return [(name, "total {total:g}, {least:g} to {largest:g} a customer".format(**values))] if values["largest"] > 0 else []
 
 
-def _around(place: dict[str, float]) -> list[Row]:
-    return [("place", f"{Middle(**place)}, all within {place['within']:.3g} km of it")]
-
-
 def _windows(windows: dict[str, Any]) -> list[Row]:
     moment = partial(moment_told, Clock(**windows["clock"]) if "clock" in windows else None)
     latest = "" if windows["latest"] is None else f", the last closes at {moment(windows['latest'])}"
@@ -144,7 +140,8 @@ TABLES.add(
     Tables(
         {
             "sites": _sites, "demand": partial(_spread, "demand"), "service": partial(_spread, "service"), "windows": _windows,
-            "around": _around, "travel": _travel, "fleet": _fleet, "min_vehicles": _least,
+            "around": lambda place: [("place", f"{Middle(**place)}, all within {place['within']:.3g} km of it")],
+            "travel": _travel, "fleet": _fleet, "min_vehicles": _least,
         },
         answer_tables,
     ),

@@ -7,7 +7,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.routing.checking.known_features import unknown_features
 from ....formulations.routing.preparation import Resource, every_move, limited_resources, tightened
@@ -15,12 +14,9 @@ from ....formulations.routing.problem import RoutingProblem
 from ....formulations.routing.reachability import minimum_vehicles
 from ....formulations.stop import NEVER, Stop
 from ....instances.memory import fits
+from ....instances.number_arrays import Flags as Flags, Floats as Floats, Longs as Longs
 from ....instances.routing.instance import VehicleType
 from ....instances.routing.vehicle_type import ENERGY_CHARGES
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
-Longs = NDArray[np.int64]
 
 MATRICES = 8
 """Matrices of one number per arc that stand in memory at once in the search for a bound, and again in its check."""

@@ -477,11 +477,7 @@ class Tree(ProofTree[_Node]):
         if "moves" in statement:
             self.branched.append(MoveRow.of(statement["moves"], self._among(statement["moves"])))
         self.columns.master.forget(self.branched)  # but not those that were only tried
-        children = _Node(node, (statement, True)), _Node(node, (statement, False))
-        if sum(1 for _ in self.look_at_all(node, children)) < 2:
-            return False
-        node.children = children
-        return True
+        return self.divide(node, statement)
 
     def _statement(self, node: _Node, part: Part, *, try_them: bool = False) -> dict[str, Any] | None:
         """The statement to branch on; None if nothing is left."""

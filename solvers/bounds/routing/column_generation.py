@@ -21,6 +21,7 @@ from .memory_shares import MemoryShares
 from .move_rows import MoveRow
 from .pricing import Pricer
 from .restricted_master import Cut, Drive, Master, Point, Pool, Prices, coefficients
+from .route_levels import DONE, EXACT, SINGLE, STOPPED
 from .set_partition import SetPartition
 from .stabilisation import BOXED, KINDS, Smoothing, Stabilisation, stabilised
 from .subset_rows import SubsetRow, violated
@@ -221,8 +222,6 @@ class ColumnGeneration:
 
     def _generated(self, master: Master, part: Part, centre: Prices | None) -> Solved:
         """Add routes until there are none of negative reduced cost, or enough is proved."""
-        from .label_kernels import EXACT, SINGLE, STOPPED
-
         self._restrict(master, part)
         self._restrict_pricers(master, part)
         best, how, began = Solved("stopped"), SINGLE, self.stop.seconds_left
@@ -441,8 +440,6 @@ class ColumnGeneration:
     def value(self, part: Part, *, priced: bool = False) -> float:
         """The value of the linear program of a node over the routes at hand, or (``priced``) with those that quick searches find; no number
         where it has none."""
-        from .label_kernels import DONE, SINGLE
-
         self._restrict(self.master, part)
         point = self.master.solve(self.stop)
         if priced:

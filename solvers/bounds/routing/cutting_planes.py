@@ -10,7 +10,8 @@ import math
 import numpy as np
 
 from ....formulations.evidence import Evidence
-from ....formulations.programs.program import Program, Rows, Variables
+from ....formulations.programs.program import Program, Variables
+from ....formulations.programs.rows import Part, rows
 from ....formulations.routing.checking.known_features import without_stops
 from ....formulations.routing.checking.vehicle_moves import VehicleMoves, alike, constants, needed_routes, terms_of
 from ....formulations.routing.problem import RoutingProblem
@@ -105,20 +106,15 @@ class _Relaxation:
         self.known = ~np.isfinite(costs.edge)
         self.known[0, 0] = True
         self.known[1:, 1:] |= np.tri(n, dtype=bool)
-        rows = n + 2 + len(costs.names)
+        self.rows = n + 2 + len(costs.names)
         fewest = max(problem.min_vehicles, int(needed_routes(self.relaxed, self.required[1:])))
         columns = (
             Variables("visit", lower=self.required[1:].astype(np.float64), upper=np.ones(n), cost=costs.visit[1:] / self.unit),
             Variables("routes", lower=np.array([float(fewest)]), upper=np.array([float(max(fewest, costs.most))]), cost=np.zeros(1)),
         )
-        indptr = np.concatenate([np.arange(n + 3), np.full(len(costs.names), n + 2)]).astype(np.int32)
-        indices = np.append(np.arange(n), [n, n]).astype(np.int32)
-        none = np.zeros(n + 2)
-        equal = Rows(
-            "degree", indptr=indptr, indices=indices, data=np.append(np.full(n, -2.0), [-1.0, -1.0]),
-            lower=np.append(none, np.full(len(costs.names), -math.inf)), upper=np.append(none, costs.room / self.units),
-        )  # fmt: skip
-        self.rows = rows
+        none, each = np.zeros(n + 2), np.arange(n)
+        low, high = np.append(none, np.full(len(costs.names), -math.inf)), np.append(none, costs.room / self.units)
+        equal = rows("degree", self.rows, [(each, each, -2.0), (np.array([n, n + 1]), np.array([n, n]), -1.0)], low, high)
         self.session = LinearSession(Program("cuts", "min", columns, (equal,)), seed)
         near = _nearest(costs)
         if self.required.any():  # whoever must be visited may need many routes
@@ -135,31 +131,21 @@ class _Relaxation:
         self.known[tail, head] = True
         size, n, c = len(tail), self.n, self.costs
         column = np.arange(size)
-        parts = [(column, np.where(tail > 0, tail - 1, n), 1.0), (column, np.where(head > 0, head - 1, n + 1), 1.0)]
+        parts: list[Part] = [(column, np.where(tail > 0, tail - 1, n), 1.0), (column, np.where(head > 0, head - 1, n + 1), 1.0)]
         parts += [(column, np.full(size, n + 2 + k), w[tail, head] / u) for k, (w, u) in enumerate(zip(c.weight, self.units, strict=True))]
         cut, crossing = np.nonzero(self.inside[:, tail] != self.inside[:, head])
-        parts.append((crossing, self.rows + cut, 1.0))
-        at = np.concatenate([p[0] for p in parts])
-        order = np.argsort(at, kind="stable")
-        values = np.concatenate([np.broadcast_to(p[2], len(p[0])) for p in parts])[order]
-        starts = np.searchsorted(at[order], column)
-        self.session.add(c.edge[tail, head] / self.unit, starts, np.concatenate([p[1] for p in parts])[order], values, np.ones(size))
+        joined = rows("edges", size, [*parts, (crossing, self.rows + cut, 1.0)])
+        self.session.add(c.edge[tail, head] / self.unit, joined.indptr[:-1], joined.indices, joined.data, np.ones(size))
         self.tail, self.head = np.append(self.tail, tail), np.append(self.head, head)
         return size
 
     def cut(self, inside: Flags, of: Longs) -> None:
         """Add the cuts around sets, as ``violated`` names them."""
-        starts, columns, values = [], [], []
-        size = 0
-        for members, visit in zip(inside, of.tolist(), strict=True):
-            crossing = np.nonzero(members[self.tail] != members[self.head])[0] + self.n + 1
-            starts.append(size)
-            columns += [crossing, [visit - 1] if visit else []]
-            values += [np.ones(len(crossing)), [-2.0] if visit else []]
-            size += len(crossing) + (visit > 0)
-        flat = [np.concatenate([np.asarray(part, dtype=np.float64) for part in parts]) for parts in (columns, values)]
+        cut, crossing = np.nonzero(inside[:, self.tail] != inside[:, self.head])
+        served = np.nonzero(of)[0]
+        around = rows("cuts", len(of), [(cut, crossing + self.n + 1, 1.0), (served, of[served] - 1, -2.0)])
         right = np.where(of > 0, 0.0, 2.0 * needed_routes(self.relaxed, inside[:, 1:]))
-        self.session.add_rows(right, np.array(starts), flat[0].astype(np.int64), flat[1])
+        self.session.add_rows(right, around.indptr[:-1], around.indices, around.data)
         self.inside, self.of = np.concatenate([self.inside, inside]), np.append(self.of, of)
 
     def violated(self, x: Floats, stop: Stop) -> tuple[Flags, Longs]:

@@ -17,6 +17,7 @@ from .arcs import Floats, Longs, by_site
 from .column_generation import ColumnGeneration, Part, Solved
 from .load_cuts import LoadCut
 from .restricted_master import Master, Point, Pool, Prices
+from .route_levels import DONE, WORD
 from .route_rows import RouteLoad, RouteRow, violated_rows, visited
 from .subset_rows import SubsetRow
 
@@ -49,7 +50,6 @@ def routes_below(columns: ColumnGeneration, part: Part, solved: Solved, gap: flo
     """The cheapest route through each set of customers, where its reduced cost is less than ``gap`` above the least; None where there are
     more than ``most``, or there was no time."""
     from .enumeration_kernels import all_below
-    from .label_kernels import DONE, WORD
 
     prices, (pricer,) = solved.prices, columns.pricers
     assert prices is not None
@@ -88,8 +88,6 @@ def routes_below(columns: ColumnGeneration, part: Part, solved: Solved, gap: flo
 
 def _bits(members: Sequence[list[int]], nodes: int) -> Longs:
     """The sets that each node belongs to, as bits, shape (nodes, words)."""
-    from .label_kernels import WORD
-
     bits = np.zeros((nodes, -(-len(members) // WORD)), np.int64)
     for c, inside in enumerate(members):
         bits[inside, c // WORD] |= 1 << (c % WORD)
@@ -97,8 +95,6 @@ def _bits(members: Sequence[list[int]], nodes: int) -> Longs:
 
 
 def _by_bit(values: Longs) -> Longs:
-    from .label_kernels import WORD
-
     padded = np.zeros((-(-len(values) // WORD), WORD), np.int64)
     padded.flat[: len(values)] = values
     return padded
@@ -155,7 +151,8 @@ class ChoiceTree(ProofTree[_Case]):
         parent = node.parent
         node.at = np.arange(len(self.every)) if not isinstance(parent, _Case) else self._left(parent.at, node)
         if not len(node.at):  # no route is left
-            self.close_at_goal(node)
+            node.bound = max(node.bound, self.target)
+            self.close(node)
             return True
         bounds = list[float]()
         while True:
@@ -183,10 +180,6 @@ class ChoiceTree(ProofTree[_Case]):
         else:
             self.close(node)
         return True
-
-    def close_at_goal(self, node: _Case) -> None:
-        node.bound = max(node.bound, self.target)
-        self.close(node)
 
     def reached(self, bound: float) -> bool:
         return bound >= self.target
@@ -276,11 +269,7 @@ class ChoiceTree(ProofTree[_Case]):
         pairs = self._pairs(node)
         gains = [self._gain(node, pair) for pair in pairs] if len(pairs) > 1 else [1.0]
         pair = pairs[int(np.argmax(gains))]
-        children = _Case(node, (pair, True)), _Case(node, (pair, False))
-        if sum(1 for _ in self.look_at_all(node, children)) < 2:
-            return False
-        node.children = children
-        return True
+        return self.divide(node, pair)
 
     def _gain(self, node: _Case, pair: tuple[int, int]) -> float:
         """Product of what the linear program over the routes at hand gains on both sides."""

@@ -4,7 +4,7 @@ import numpy as np
 
 from ....formulations.kernels import kernel
 from ....formulations.stop_kernel import asked
-from .label_kernels import DONE, FULL, STOPPED, WORD
+from .route_levels import DONE, FULL, STOPPED, WORD
 
 SLOTS = 1 << 18
 """Places of a table in which sets are looked up, a power of two."""

@@ -10,21 +10,10 @@ Spoorendonk, Pisinger (2008) for dominance with cuts; Pecin, Contardo, Desaulnie
 
 from ....formulations.kernels import kernel
 from ....formulations.stop_kernel import asked
-
-DONE, STOPPED, FULL = 0, 1, 2
-
-EXACT, NEARBY, FORGETFUL, SINGLE = 0, 1, 2, 3
-"""Labels give way to those that remember no more and owe no cut more than they save; to those that remember no more of the ``CLOSE``
-nearest; to any that are no worse in cost and levels; to the cheapest of their bucket."""
+from .route_levels import DONE, EXACT, FORGETFUL, FULL, NONE, SINGLE, STOPPED
 
 CLOSE = 5
 """Places of a node that are looked at where memories count in part, its own among them."""
-
-NONE = 1 << 60
-"""More than any sum of costs."""
-
-WORD = 56
-"""Bits of a word that are used: whole bytes, and never the sign."""
 
 
 @kernel(_nrt=False, no_cpython_wrapper=True)  # counting references would take most of its time

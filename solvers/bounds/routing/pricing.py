@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ....formulations.stop import Stop
 from .arcs import Flags, Floats, Longs
-from .route_levels import Level
+from .route_levels import DONE, EXACT, NONE, STOPPED, WORD, Level
 from .subset_rows import SubsetRow
 
 Ints = NDArray[np.int32]
@@ -56,8 +56,6 @@ class _End:
 
     def restrict(self, usable: Flags, cuts: Sequence[SubsetRow], members: Ints, position: NDArray[np.int8]) -> None:
         """Take the moves that ``usable`` marks, from here, and the lists of who is remembered."""
-        from .label_kernels import WORD
-
         tails, heads = np.nonzero(usable)
         words = -(-len(cuts) // WORD)
         self.arcs = np.searchsorted(tails, np.arange(self.nodes + 1)).astype(np.int32)
@@ -158,8 +156,6 @@ class Pricer:
 
     def restrict(self, usable: Flags, near: Flags, cuts: Sequence[SubsetRow]) -> None:
         """Search among ``usable`` moves from now on; ``near`` (nodes, nodes) marks who is remembered where, each customer himself too."""
-        from .label_kernels import WORD
-
         n = self.nodes
         near = near.copy()
         near[0] = near[:, 0] = False
@@ -184,7 +180,7 @@ class Pricer:
     ) -> tuple[int, float, Floats, list[Longs]]:
         """Routes of a reduced cost ``below`` a number, the ``most`` cheapest, and the least reduced cost of all; ``reduced`` (nodes, nodes)
         are the reduced costs of moves, ``duals`` those of the cuts, 0 or less."""
-        from .label_kernels import DONE, NONE, STOPPED, join
+        from .label_kernels import join
 
         fines = self._fines(duals)
         least_bar = self.bar(below)
@@ -200,13 +196,14 @@ class Pricer:
         if self.bidirectional:
             self._balance()
         order = np.argsort(totals[:number], kind="stable")[:most]
-        routes = [self._route(int(f), int(b)) for f, b in pairs[order].tolist()]
+        ahead, back = self.ends
+        routes = [np.array(ahead.walk(f)[::-1] + back.walk(b), dtype=np.int64) for f, b in pairs[order].tolist()]
         return DONE, least / self.unit if least < NONE else np.inf, totals[order] / self.unit, routes
 
     def arc_costs(self, stop: Stop, reduced: Floats, duals: Floats, below: float) -> Floats | None:
         """The least reduced cost of all routes that make each move, as far as it is below a number, which stands for all others; None
         where there was no time or no room."""
-        from .label_kernels import DONE, EXACT, arc_costs
+        from .label_kernels import arc_costs
 
         fines, full = self._fines(duals), int(self.top[0])
         if self._grow(stop, reduced, fines, EXACT, (full, full)) != DONE:
@@ -221,19 +218,15 @@ class Pricer:
 
     def backwards(self, stop: Stop, reduced: Floats, duals: Floats) -> int:
         """Grow all labels from the end of routes; whether it was done, stopped or full."""
-        from .label_kernels import EXACT
-
         return self._grow(stop, reduced, self._fines(duals), EXACT, (-1, int(self.top[0])))
 
     def bar(self, below: float) -> int:
         """A cost in whole numbers, those beyond all sums cut off."""
-        from .label_kernels import NONE
-
         return int(min(max(np.floor(below * self.unit), -NONE), NONE))
 
     def _grow(self, stop: Stop, reduced: Floats, fines: Longs, how: int, halves: tuple[int, int]) -> int:
         """Labels from both ends, each up to its halfway point."""
-        from .label_kernels import DONE, grow
+        from .label_kernels import grow
 
         for end, grid, half in zip(self.ends, (reduced, reduced.T), halves, strict=True):
             end.begin(grid, self.unit)
@@ -264,14 +257,8 @@ class Pricer:
             self.halfway += step
         self.halfway = min(max(self.halfway, int(self.ends[0].start[0])), int(self.top[0]) - 1)
 
-    def _route(self, label: int, partner: int) -> Longs:
-        ahead, back = self.ends
-        return np.array(ahead.walk(label)[::-1] + back.walk(partner), dtype=np.int64)
-
     def _fines(self, duals: Floats) -> NDArray[np.int64]:
         """Sums of the prices of cuts for all values of each byte of a label's cuts, rounded down, shape (words, bytes, 256)."""
-        from .label_kernels import WORD
-
         owed = np.zeros((self.toggle.shape[1], WORD // 8, 8), np.int64)
         for c, dual in enumerate(duals.tolist()):
             owed[c // WORD, c % WORD // 8, c % 8] = max(0, int(np.floor(-dual * self.unit)))

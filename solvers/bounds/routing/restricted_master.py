@@ -10,7 +10,8 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 
-from ....formulations.programs.program import Program, Rows, Variables
+from ....formulations.programs.program import Program, Variables
+from ....formulations.programs.rows import Part, rows
 from ....formulations.stop import Stop
 from ...linear_session import LinearResult, LinearSession
 from .arcs import Flags, Floats, Longs
@@ -169,8 +170,6 @@ class Master:
         boxed: bool = False,
     ) -> None:  # fmt: skip
         self.pool, self.cost, self.row, self.lacking, self.seed, self.known = pool, cost, row, lacking, seed, 0
-        from scipy import sparse
-
         visits, self.types = len(lacking) - 1, len(most) if len(most) > 1 else 0
         # Columns: missing visits, routes too few, too many, their number, visits that need not be made, visits more and less at the prices
         # of the box, and the number of each type.
@@ -181,21 +180,17 @@ class Master:
         upper[self.number], upper[self.number + 1 : self.box_at + 2 * self.boxes] = len(row), 0.0
         price = np.zeros(self.own)
         price[:visits], price[visits : visits + 2] = lacking[1:], lacking[0]
-        table = sparse.lil_array((self.own_rows, self.own))
-        table[0, visits], table[0, visits + 1], table[0, self.number] = 1.0, -1.0, -1.0
-        for v in range(visits):
-            table[1 + v, v] = table[1 + v, self.number + 1 + v] = 1.0
-        for v in range(self.boxes):
-            table[1 + v, self.box_at + v], table[1 + v, self.box_at + visits + v] = 1.0, -1.0
-        for t in range(self.types):
-            table[0, self.own - self.types + t], table[1 + visits + t, self.own - self.types + t] = 1.0, -1.0
-            upper[self.own - self.types + t] = most[t]
-        table = table.tocsr()
+        v, box, t = np.arange(visits), np.arange(self.boxes), np.arange(self.types)
+        of_type = self.own - self.types + t
+        upper[of_type] = most[: self.types]
+        parts: list[Part] = [
+            (np.zeros(3, np.int64), np.array([visits, visits + 1, self.number]), [1.0, -1.0, -1.0]), (1 + v, v, 1.0),
+            (1 + v, self.number + 1 + v, 1.0), (1 + box, self.box_at + box, 1.0), (1 + box, self.box_at + visits + box, -1.0),
+            (0 * t, of_type, 1.0), (1 + visits + t, of_type, -1.0),
+        ]  # fmt: skip
         right = np.repeat([0.0, 1.0, 0.0], [1, visits, self.types])
         columns = Variables("columns", lower=np.zeros(self.own), upper=upper, cost=price)
-        indptr, indices = table.indptr.astype(np.int32), table.indices.astype(np.int32)
-        rows = Rows("rows", indptr=indptr, indices=indices, data=table.data, lower=right, upper=right)
-        self.session = LinearSession(Program("routes", "min", (columns,), (rows,)), seed)
+        self.session = LinearSession(Program("routes", "min", (columns,), (rows("rows", self.own_rows, parts, right, right),)), seed)
         self.cuts: list[Cut] = []
         self.branched: list[Cut] = []
         self.held: list[Cut] = []

@@ -1,10 +1,22 @@
-"""Levels that grow along a route (time, loads, distances), as searches for routes by labels take them."""
+"""Levels that grow along a route (time, loads, distances), as searches for routes by labels take them, and the codes of these searches."""
 
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from .arcs import Flags, Floats
+
+DONE, STOPPED, FULL = 0, 1, 2
+
+EXACT, NEARBY, FORGETFUL, SINGLE = 0, 1, 2, 3
+"""Labels give way to those that remember no more and owe no cut more than they save; to those that remember no more of the few nearest; to
+any that are no worse in cost and levels; to the cheapest of their bucket."""
+
+NONE = 1 << 60
+"""More than any sum of costs."""
+
+WORD = 56
+"""Bits of a word that are used: whole bytes, and never the sign."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -141,12 +141,7 @@ class _Tree(ProofTree[_Node]):
         if not row:
             self.close(node)
             return True
-        statement = {"safest": row[0]}
-        children = (_Node(node, (statement, True)), _Node(node, (statement, False)))
-        if sum(1 for _ in self.look_at_all(node, children)) < 2:
-            return False
-        node.children = children
-        return True
+        return self.divide(node, {"safest": row[0]})
 
     def _undecided(self, problem: RiskAllocation, node: _Node) -> list[int]:
         """The safest open row of the undecided constraint that the node's decision breaks most; none where all are decided."""

@@ -6,10 +6,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Integers = NDArray[np.int64]
-Floats = NDArray[np.float64]
+from ....instances.number_arrays import Flags, Floats as Floats, Longs
+
+Integers = Longs
 
 UNLIMITED = int(np.iinfo(np.int64).max)
 """Stands for infinity; each engine puts its own largest value there."""
@@ -101,7 +102,7 @@ def plain(factor: float) -> float:
     return int(factor) if factor == int(factor) else factor
 
 
-def whole(values: Floats) -> NDArray[np.bool_]:
+def whole(values: Floats) -> Flags:
     """Which values are integers but for the rounding of floats."""
     with np.errstate(invalid="ignore"):  # infinity less infinity
         return np.asarray(np.abs(values - np.rint(values)) <= _ROUNDING * np.abs(values))

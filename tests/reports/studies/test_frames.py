@@ -6,7 +6,7 @@ import pytest
 from scipy import stats
 
 import waybound
-from waybound.reports.studies.frames import apart, by_method, frame_table, intervals, mean_interval, play
+from waybound.reports.studies.frames import apart, by_method, frame_table, intervals, loop_means, mean_interval, play
 
 
 def test_intervals_are_students():
@@ -36,6 +36,15 @@ def test_methods_are_compared_in_the_same_worlds():
     values = pd.DataFrame({"seed": [1, 2, 1, 2, 3], "method": ["a", "a", "b", "b", "b"], "observed": [5.0, 9.0, 4.0, 6.0, 99.0]})
     lead, half = apart(values, "observed", "a", "b")
     assert lead == 2.0 and half == pytest.approx(stats.t.ppf(0.975, 1))  # the third world has no a
+
+
+def test_what_a_way_to_decide_loses_counts_from_the_exact_one():
+    loops = pd.DataFrame({"seed": [1, 2, 1, 2], "method": ["exact", "exact", "greedy", "greedy"], "share": [9.0, 8.0, 6.0, 7.0]})
+    assert [(row["decided by"], row["runs"], row["lost"]) for row in loop_means(loops, ("share",), "share", most=True)] == [
+        ("exact", 2, 0.0), ("greedy", 2, 2.0)
+    ]  # fmt: skip
+    assert loop_means(loops, ("share",), "share", most=False)[1]["lost"] == -2.0
+    assert loop_means(pd.DataFrame(), ("share",), "share", most=True) == []
 
 
 def test_methods_keep_their_order():

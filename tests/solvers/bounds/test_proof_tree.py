@@ -35,12 +35,7 @@ class Halves(ProofTree[Node]):
         return True
 
     def branch(self, node: Node) -> bool:
-        statement = {"variable": 0, "most": 2 * len(node.decisions())}
-        children = Node(node, (statement, True)), Node(node, (statement, False))
-        if len(list(self.look_at_all(node, children))) < 2:
-            return False
-        node.children = children
-        return True
+        return self.divide(node, {"variable": 0, "most": 2 * len(node.decisions())})
 
 
 @pytest.mark.parametrize("nodes", range(16))

@@ -3,15 +3,13 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .....formulations.routing.objective import LongestRoute, Makespan, Reward, TotalCost
 from .....formulations.routing.problem import RoutingProblem
 from .....formulations.routing.routes import Routes
 from .....instances.errors import CheckFailedError, UsageError
+from .....instances.number_arrays import Floats, Longs
 from ....ratios.optimum import OPTIMA, Optimum, attained, subsets
-
-Floats = NDArray[np.float64]
 
 MOST_CUSTOMERS = 10
 """Customers up to which all ways to share them among routes are compared: 59049."""
@@ -79,7 +77,7 @@ def best_routes(problem: RoutingProblem) -> Optimum:
     return attained(problem, Routes.of(routes), "enumeration")
 
 
-def _shortest_paths(moves: Floats) -> tuple[Floats, NDArray[np.int64]]:
+def _shortest_paths(moves: Floats) -> tuple[Floats, Longs]:
     """Lengths of shortest paths from stop 0 through every set of the others to each of them, and the stop before; shape (2^n, n)."""
     n = len(moves) - 1
     ends, before = np.full((1 << n, n), math.inf), np.full((1 << n, n), -1)

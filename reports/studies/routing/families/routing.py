@@ -1,6 +1,6 @@
 """Routing problems: random ones whose optimum is enumerated, and ones on which tours and their cuts do badly."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from functools import partial
 from typing import Any
 
@@ -122,11 +122,7 @@ def random_families(make: str) -> tuple[Family, ...]:
     case = {"salesman": salesman, "loads": loads, "shared": shared, "rewarded": rewarded, "risky": risky}[make]
     most = RISKY if make == "risky" else MOST
     words = {"plane": "uniform", "clusters": "three clusters", "grid": "few places", "graph": "shortest paths", "rounded": "rounded"}
-    return tuple(Family(kind, f"{words[kind]}, up to {most} customers", partial(_of_kind, case, kind)) for kind in KINDS)
-
-
-def _of_kind(case: Callable[[int, Rng, str], Case], kind: str, k: int, rng: Rng) -> Case:
-    return case(k, rng, kind)
+    return tuple(Family(kind, f"{words[kind]}, up to {most} customers", partial(case, kind=kind)) for kind in KINDS)
 
 
 def strip(n: int) -> Case:

@@ -9,9 +9,9 @@ from small_routing import plane, small
 
 from waybound.formulations.routing.problem import RoutingProblem
 from waybound.formulations.stop import NEVER
-from waybound.solvers.bounds.routing import label_kernels
 from waybound.solvers.bounds.routing.column_generation import ColumnGeneration
 from waybound.solvers.bounds.routing.pricing import Pricer
+from waybound.solvers.bounds.routing.route_levels import DONE, EXACT, FORGETFUL, NEARBY, SINGLE
 from waybound.solvers.bounds.routing.set_partition import set_partition
 from waybound.solvers.bounds.routing.subset_rows import SubsetRow
 
@@ -98,13 +98,13 @@ def test_the_cheapest_routes_are_found_and_the_cheapest_over_each_move(feature: 
     for both, halfway in itertools.product((True, False), (0.2, 0.5, 0.9)):
         pricer.bidirectional, pricer.halfway = both, int(halfway * pricer.top[0])
         for below in (math.inf, 0.0):
-            status, value, totals, routes = pricer.search(NEVER, reduced, fines, label_kernels.EXACT, 10, below)
-            assert status == label_kernels.DONE
+            status, value, totals, routes = pricer.search(NEVER, reduced, fines, EXACT, 10, below)
+            assert status == DONE
             assert value == pytest.approx(least, abs=close) and (totals[:-1] <= totals[1:]).all()
             for route, total in zip(routes, totals.tolist(), strict=True):
                 assert truth.walks[tuple(route.tolist())] == pytest.approx(total, abs=close) and total < below
             assert len(routes) or least >= below or least == math.inf
-    for how in (label_kernels.NEARBY, label_kernels.FORGETFUL, label_kernels.SINGLE):
+    for how in (NEARBY, FORGETFUL, SINGLE):
         _, value, totals, routes = pricer.search(NEVER, reduced, fines, how, 10, 0.0)
         assert value >= least - close
         assert all(truth.walks[tuple(r.tolist())] == pytest.approx(t, abs=close) for r, t in zip(routes, totals.tolist(), strict=True))
