@@ -218,7 +218,7 @@ class Search:
         self.whole = Divisible(problem, self.data)
         optional = not problem.sites.required[problem.customers].all()
         self.neighbours = int(asked["neighbours"]) * (2 if optional else 1)
-        self.sizes = np.array([asked["string"], asked["removals"], 0.0])
+        self.sizes = np.array([asked["string"], asked["removals"], 0.0, 0.0])
         self.lost = np.where(problem.sites.required, dear(problem, self.data), self.data.prize)
         self.places = places(problem)
         usable = self.data.closes >= self.data.opens

@@ -230,7 +230,9 @@ class _Search:
         self.seconds_at = seconds_at
         self.kernels, self.columns = search_kernels, columns
         self.data, self.sloped = searched_integers(problem)
-        optional = not problem.sites.required[problem.customers].all()
+        settled = problem.sites.required.copy()
+        settled[[site for group in problem.sites.groups for site in group.sites]] = True
+        optional = not settled[problem.customers].all()
         part = arranged(problem, self.data)
         self.site_of = part.sites.tolist() if part else list(range(len(problem.sites)))
         inner, data = (part.problem, part.data) if part else (problem, self.data)
@@ -239,7 +241,7 @@ class _Search:
         self.team, self.abreast, self.bytes = team, many, WHOLE_BYTES * problem.size**2
         self.elites: Elites = copy(team[0].elites) if team else Elites(self.held, options.seed)
         coupled = (
-            self.held.flags & (columns.GROUPED | columns.COUNTED | columns.SHARED | columns.TOPPED)
+            self.held.flags & (columns.COUNTED | columns.SHARED | columns.TOPPED)
             or len(self.held.depots)
             or self.held.types[:, columns.HOME].any()
         )
@@ -247,7 +249,7 @@ class _Search:
         if self.pool:
             self.pool.held, self.pool.looked = self.held, 0
         self.lock: threading.Lock = team[0].lock if team else threading.Lock()
-        self.sizes = np.array([asked["string"], asked["removals"], 0.0])
+        self.sizes = np.array([asked["string"], asked["removals"], 0.0, 0.0])
         shared = part and options.threads > 1
         at = places(problem)[self.site_of] if shared else None
         self.beside = None if at is None else SideBySide(self.held, at, self.sizes, self.pool, self.lock, stop, options.seed)
@@ -268,7 +270,8 @@ class _Search:
         self.own[:] = self.best
         self.publish()
         began, pieces, whole = now(), 64, max(1e-9, self.options.time_limit)
-        self.advance(int(min(len(self.held.customers), most)), 0.0)
+        self.advance(int(min(self.held.most_visits, most)), 0.0)
+        self.sizes[3] = self.load_price()
         self.find_places(most, idle)
         rewarded = self.data.prize.any() and self.sloped and self.asked["worth"]
         if rewarded:
@@ -291,11 +294,11 @@ class _Search:
                 spent = now() - began
                 routes = int(self.held.types[:, k.USED].sum())
                 speed = done / spent * self.abreast
-                whole = spent + self.seconds_at(speed, len(self.held.customers), routes, self.stop.seconds_left)
+                whole = spent + self.seconds_at(speed, self.held.most_visits, routes, self.stop.seconds_left)
                 self.plan(course, done / spent * whole)
                 if self.goes_abreast(course):
                     return None
-                if start and done / spent * whole < FEW * len(self.held.customers):
+                if start and done / spent * whole < FEW * self.held.most_visits:
                     course.hot = min(course.hot, 3.0 * course.cold)
             if done >= most or done - at >= idle:
                 limit = "iterations"
@@ -455,16 +458,16 @@ class _Search:
 
     def plan(self, course: Course, ruins: float) -> None:
         """Choose how many anneals there are, and how warm the first one begins, told for how many ruins there is time."""
-        k, ample = self.columns, AMPLE * len(self.held.customers)
-        coupled = self.held.flags & (k.GROUPED | k.RELOADING | k.RECHARGING)  # routes of two answers do not go together then
+        k, ample = self.columns, AMPLE * self.held.most_visits
+        coupled = self.held.flags & (k.RELOADING | k.RECHARGING)  # routes of two answers do not go together then
         course.anneals = 1 if coupled or ruins * self.abreast < ample else max(2, ANNEALS // self.abreast)
-        if len(self.held.customers) >= LARGE:
+        if self.held.most_visits >= LARGE:
             course.hot *= min(1.0, max(COOLEST, ruins / ample))
 
     def go_on(self, course: Course, share: float, done: int) -> None:
         """Keep the answer of an anneal, and begin the next one: from nothing, or from an answer made of two."""
         self.elites.add(int(self.own[0]), self.held.routes(self.own[1:]))
-        fresh = course.next(share, done, RECOMBINED * len(self.held.customers))
+        fresh = course.next(share, done, RECOMBINED * self.held.most_visits)
         if not self.held.put(Routes(()) if fresh else self.elites.make()):
             self.held.put(self.held.routes(self.best[1:]))
         self.own[0] = np.iinfo(np.int64).max
@@ -480,6 +483,14 @@ class _Search:
         moves = int(route[:, k.VISITS].sum() + (route[:, k.VISITS] > 0).sum())
         least = self.held.next_move() * int(types[:, k.UNIT].min())
         return max(least, float(route[:, k.COST].sum() - (types[:, k.FIXED] * types[:, k.USED]).sum()) / max(1, moves))
+
+    def load_price(self) -> float:
+        """What a unit of the first load costs on the mean."""
+        k, held = self.columns, self.held
+        if held.route.shape[1] == k.ROOM:
+            return 0.0
+        load = held.site[held.customers[held.node[held.customers, k.ROUTE] >= 0], k.DEMAND].sum()
+        return float(held.route[:, k.COST].sum() / max(1, load))
 
     def publish(self, last: bool = False) -> None:
         """Hand out the best answer, if it is a new one and leaves no required customer out."""

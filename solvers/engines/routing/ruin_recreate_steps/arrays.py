@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, fields
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -53,6 +54,17 @@ class Arrays:
     def parts(self) -> tuple[NDArray[Any], ...]:
         """The arrays in the order in which ``search_kernels.anneal`` takes them."""
         return tuple(getattr(self, field.name) for field in fields(self) if field.name != "flags")
+
+    @property
+    def stands_for(self) -> Integers:
+        """For each site itself, or, where one of a group is visited, the first of the group."""
+        group = self.site[:, k.GROUP]
+        return np.where(group < 0, np.arange(len(group)), group)
+
+    @cached_property
+    def most_visits(self) -> int:
+        """How many customers can be visited, of each group one."""
+        return len(np.unique(self.stands_for[self.customers]))
 
     def begin(self, answer: Routes) -> bool:
         """Put the visits of an answer in, but for routes that break a limit; whether it is one of these customers and vehicles."""
@@ -260,7 +272,8 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
         k.WINDOWED: many, k.COUNTED: fewest, k.WALKED: walked, k.CLOSING: closes,
         k.RISKY: risks.risky.any(), k.SHARED: risks.shared, k.TOPPED: data.maxima.any(),
     }  # fmt: skip
-    coupled = spanned or walked or shipments or problem.sites.groups or reloads or fewest or data.maxima.any() or risks.shared
+    differ = any(np.ptp(lost[list(one.sites)]) for one in problem.sites.groups)
+    coupled = spanned or walked or shipments or differ or reloads or fewest or data.maxima.any() or risks.shared
     features[k.LENGTHENED] = not coupled and _metric(on, near, customers, np.unique(ends))
     flags = sum(flag for flag, there in features.items() if there) + (many << k.MANY)
     site, types, alone = _rows(site), _rows(types), _alone(site, types, allowed, on, goes, flags)

@@ -41,7 +41,8 @@ class Elites:
         seed = self.random.choice(self.held.customers.tolist())
         near = dict.fromkeys(route_of[c] for c in (seed, *self.held.near[seed].tolist()) if c in route_of)
         taken = [second[k] for k in list(near)[: self.random.randint(1, max(1, len(second) // 2))]]
-        visited = {c for one in taken for c in one.visits}
-        rest = [(one, Route(tuple(c for c in one.visits if c not in visited), one.vehicle)) for one in first]
+        stands_for = self.held.stands_for
+        visited = {stands_for[c] for one in taken for c in one.visits}
+        rest = [(one, Route(tuple(c for c in one.visits if stands_for[c] not in visited), one.vehicle)) for one in first]
         rest.sort(key=lambda pair: -len(pair[1].visits) / len(pair[0].visits))
         return Routes.of([*taken, *(left for _, left in rest[: max(0, len(first) - len(taken))] if left.visits)])

@@ -37,7 +37,8 @@ Key = tuple[int, frozenset[int]]
 
 
 class Pool:
-    """Routes of the answers that a search comes through: of each vehicle type and set of visits the cheapest order.
+    """Routes of the answers that a search comes through: of each vehicle type and set of visits the cheapest order. Of the sites of a group
+    one is visited, so that these count as one visit, and their choice is part of the order.
 
     Source: the set-partitioning step of Rochat and Taillard (1995), Probabilistic diversification and intensification in local search for
     vehicle routing, Journal of Heuristics 1, here of a part of the best answer at a time. ``whole`` tells whether the last one was all.
@@ -45,6 +46,10 @@ class Pool:
 
     def __init__(self, held: Arrays, seed: int) -> None:
         self.held, self.random = held, random.Random(seed)
+        self.grouped, self.stands_for = bool(held.flags & k.GROUPED), held.stands_for
+        self.lost = np.zeros(len(held.site), dtype=np.int64)
+        np.maximum.at(self.lost, self.stands_for, held.site[:, k.LOST])
+        self.forgone = self.lost[self.stands_for] - held.site[:, k.LOST]
         self.routes: dict[Key, tuple[int, tuple[int, ...]]] = {}
         self.looked = 0
         self.whole = False
@@ -60,11 +65,18 @@ class Pool:
         while len(self.routes) > KEPT:
             del self.routes[next(iter(self.routes))]
 
-    def add(self, route: Route, cost: int) -> None:
-        """Keep a route, unless its visits are known to cost no more in another order."""
-        key = route.vehicle, frozenset(route.visits)
+    def key(self, route: Route) -> Key:
+        """What a route does: its vehicle type, and which sites and groups it visits."""
+        return route.vehicle, frozenset(self.stands_for[list(route.visits)].tolist() if self.grouped else route.visits)
+
+    def add(self, route: Route, cost: int) -> int:
+        """Keep a route, unless its visits are known to cost no more in another order; by what they are known to cost less."""
+        key = self.key(route)
+        if self.grouped:
+            cost += int(self.forgone[list(route.visits)].sum())
         known = self.routes.pop(key, None)
         self.routes[key] = (cost, route.visits) if known is None or cost < known[0] else known
+        return cost - self.routes[key][0]
 
     def region(self, routes: list[Route]) -> list[Route]:
         """Routes that lie next to each other: as many as have ``VISITS`` visits, and one at least."""
@@ -87,19 +99,20 @@ class Pool:
         used = np.nonzero(rows[:, k.VISITS] > 0)[0].tolist()
         following = self.held.node[:, k.FOLLOWING].tolist()
         at_hand = [Route(self.held.visits(r, following), int(rows[r, k.KIND])) for r in used]
-        for route, r in zip(at_hand, used, strict=True):
-            self.add(route, int(rows[r, k.COST]))
+        gained = sum(self.add(route, int(rows[r, k.COST])) for route, r in zip(at_hand, used, strict=True))
+        kept = {key: Route(self.routes[key][1], key[0]) for key in map(self.key, at_hand)}
+        same = Routes.of(kept.values()) if gained else None
         region = self.region(at_hand)
         self.whole = len(region) == len(at_hand)
-        served = {c for route in at_hand for c in route.visits}
-        missing = [c for c in self.held.customers.tolist() if c not in served]
-        own = [_key(route) for route in region]
-        places = [c for route in region for c in route.visits] + missing
+        served = {c for route in at_hand for c in self.key(route)[1]}
+        missing = [c for c in np.unique(self.stands_for[self.held.customers]).tolist() if c not in served]
+        own = [self.key(route) for route in region]
+        places = self.stands_for[[c for route in region for c in route.visits]].tolist() + missing
         inside = frozenset(places)
         keys = list(dict.fromkeys([*own, *(key for key in self.routes if key[1] <= inside)]))
         loose = [c for c in places if c not in served or not self.held.site[c, k.REQUIRED]]
         start = np.array([1.0] * len(own) + [0.0] * (len(keys) - len(own)) + [float(c not in served) for c in loose])
-        costs = np.append([self.routes[key][0] for key in keys], self.held.site[loose, k.LOST])
+        costs = np.append([self.routes[key][0] for key in keys], self.lost[loose])
         costs = costs / max(1.0, costs @ start) * UNITS
         most = (
             self.held.types[:, k.SLOTS]
@@ -110,7 +123,7 @@ class Pool:
         relaxation = _program(keys, costs, places, loose, most, integer=False)
         relaxed = Highs().search(relaxation, options, control)
         if len(keys) == len(own) or relaxed.row_duals is None or relaxed.answer is None:
-            return None
+            return same
         reduced, gap = costs - relaxation.matrix.T @ relaxed.row_duals, costs @ (start - relaxed.answer)
         cheapest = np.argsort(reduced[: len(keys)], kind="stable")[:CHOSEN]
         taken = sorted({*range(len(own)), *cheapest[reduced[cheapest] < gap].tolist(), *range(len(keys), len(costs))})
@@ -118,14 +131,10 @@ class Pool:
         program = _program(keys, costs, places, loose, most, integer=True)
         found = Highs().search(program, replace(options, iterations=NODES, start=start), control).answer
         if found is None or costs @ (start - found) < 1.0:  # a millionth
-            return None
+            return same
         chosen = [keys[at] for at in np.nonzero(found[: len(keys)] > 0.5)[0].tolist()]
-        outside = [route for route in at_hand if _key(route) not in own]
+        outside = [route for key, route in kept.items() if key not in own]
         return Routes.of([*outside, *(Route(self.routes[key][1], key[0]) for key in chosen)])
-
-
-def _key(route: Route) -> Key:
-    return route.vehicle, frozenset(route.visits)
 
 
 def _program(keys: list[Key], costs: Floats, places: list[int], loose: list[int], most: Integers, *, integer: bool) -> Program:

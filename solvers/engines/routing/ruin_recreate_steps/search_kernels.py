@@ -87,6 +87,9 @@ from .two_opt_kernels import TIED, two_opt
 EXCHANGES = 8
 """One step in so many looks for an exchange of ends first."""
 
+OVERLOOKED = 8
+"""One alternative in so many is overlooked."""
+
 
 @kernel(
     "(i8[:, :, :, ::1], i8[::1], i8[:, ::1], i8[:, ::1], i8[:, ::1], i8[:, ::1], i8[::1], i8[::1], i8)",
@@ -309,21 +312,23 @@ def next_to(  # type: ignore[no-untyped-def]
 
 @inner
 def cheapest(  # type: ignore[no-untyped-def]
-    ways, at_way, site, types, allowed, alone, near, reach, drive, route, node, c, random, least_unit, dims, flags
+    ways, at_way, site, types, allowed, alone, near, reach, drive, route, node, c, random, least_unit, price, flags
 ):  # fmt: skip
-    """Choose one site of the group of ``c`` to be visited: the cheapest to insert next to its neighbours, of a random half of the group.
-    Every other time it is the one with the least load, of the first dimension, or of equal ones the cheapest."""
-    chosen, least, one, lightest, weight = c, NONE, c, dims > 0 and site[c, REQUIRED] and below(random, 2), NONE
+    """Choose one site of the group of ``c`` to be visited: the cheapest to insert next to its neighbours, a unit of the first load being
+    taken for ``price``."""
+    chosen, least, one = c, NONE, c
     while True:
-        cost, load = NONE, site[one, DEMAND] if lightest else 0
-        for k in range(len(types)):
-            if types[k, USED] < types[k, SLOTS]:
-                cost = min(cost, alone[k, one])
-        cost, _after = next_to(
-            ways, at_way, site, types, allowed, near, reach, drive, route, node, random, one, near.shape[1], cost, least_unit, flags
-        )
-        if cost < NONE and (load < weight or (load == weight and cost - site[one, MISSED] < least)) and below(random, 2):
-            chosen, least, weight = one, cost - site[one, MISSED], load
+        if below(random, OVERLOOKED):
+            extra = np.int64(min(price * site[one, DEMAND], 1e16)) - site[one, MISSED]
+            most = NONE if least == NONE else least - extra
+            cost = most
+            for k in range(len(types)):
+                cost = min(cost, alone[k, one]) if types[k, USED] < types[k, SLOTS] else cost
+            cost, _after = next_to(
+                ways, at_way, site, types, allowed, near, reach, drive, route, node, random, one, near.shape[1], cost, least_unit, flags
+            )
+            if cost < most:
+                chosen, least = one, cost + extra
         one = site[one, ALTERNATIVE]
         if one == c:
             return chosen
@@ -494,9 +499,9 @@ def anneal(  # type: ignore[no-untyped-def]
     nearest first; -1 ends a row. ``reach`` has what the two moves of a visit right after each of them are long at least, and ``drive`` what
     the first of them takes; who can only follow has -1 less the length of those before it, and service and the time of the second.
     ``best`` receives the cost and the successor of each node of the best answer. ``sizes`` are the longest string, how many visits are
-    removed on the mean, and, where the fleet is to become smaller, by what the price of a visit left out grows with each step: steps end
-    then once none is. ``log``, ``lists`` and ``keys`` are room for work: what is compiled without memory of its own counts no references
-    to arrays, which took half of its time.
+    removed on the mean, where the fleet is to become smaller, by what the price of a visit left out grows with each step, which end then
+    once none is, and what a unit of load costs on the mean. ``log``, ``lists`` and ``keys`` are room for work: what is compiled without
+    memory of its own counts no references to arrays, which took half of its time.
     """
     kinds, dims = len(types), route.shape[1] - ROOM
     moved, todo, places = lists[0], lists[1], lists[2]
@@ -522,23 +527,33 @@ def anneal(  # type: ignore[no-untyped-def]
                 ways, at_way, site, types, customers, near, route, node, absent, sums, random, log, moved, sizes, routes, step, flags
             )
         moves = list_others(site, node, absent, sums, random, moved, moves, step)
-        if flags & GROUPED:  # after all others: any of a group may take the place of the one that was listed, and must be put back then
-            moves = list_alternatives(site, node, moved, moves, step)
         for m in range(moves if flags & LENGTHENED else 0):
             owed += site[moved[m], MISSED]
+        if flags & GROUPED:  # after all others: any of a group may take the place of the one that was listed, and must be put back then
+            moves = list_alternatives(site, node, moved, moves, step)
         hopeless = False
+        price = 0.0
+        if flags & GROUPED:
+            chance = share(random)  # a load that is worth nothing leads to a vehicle too many, one that is always worth much to detours
+            price = sizes[3] * max(0.0, 2.0 * chance - 1.0) / (1.0 - chance)
         for m in range(sort(ways, site, types, random, moved, todo, keys, moves, dims, flags)):
             if flags & LENGTHENED and sums[SEARCHED] - owed >= most:
                 hopeless = True
                 break
             c = todo[m]
-            owed -= site[c, MISSED]
-            if flags & GROUPED and site[c, ALTERNATIVE] >= 0 and not settled(site, node, c):
-                c = cheapest(ways, at_way, site, types, allowed, alone, near, reach, drive, route, node, c, random, least_unit, dims, flags)
+            if flags & GROUPED and settled(site, node, c):
+                continue
+            if flags & GROUPED and site[c, ALTERNATIVE] >= 0:
+                c = cheapest(
+                    ways, at_way, site, types, allowed, alone, near, reach, drive, route, node, c, random, least_unit,
+                    price if site[c, REQUIRED] else 0.0, flags,
+                )  # fmt: skip
             logged = insert(
                 ways, at_way, site, types, allowed, alone, near, reach, drive, depots, route, node, absent, sums, random, log, logged,
                 places, c, (step << 20) + m, step, least_unit, warmth, flags,
             )  # fmt: skip
+            if not flags & GROUPED or node[c, ROUTE] >= 0:
+                owed -= site[c, MISSED]
         sound, at = not hopeless and (not flags & SHARED or sums[HAZARDS] <= sums[MOST_HAZARDS]), 0
         while at < logged:
             sound = sound and route[log[at], SOUND] != 0

@@ -228,7 +228,7 @@ def test_one_anneal_of_many_customers_begins_cooler_the_less_time_there_is() -> 
     def begun(customers: int, ruins_each: float) -> tuple[int, float]:
         from waybound.solvers.engines.routing.ruin_recreate_steps import columns
 
-        course, held = ruin_recreate.Course(100.0, 1.0), SimpleNamespace(flags=0, customers=range(customers))
+        course, held = ruin_recreate.Course(100.0, 1.0), SimpleNamespace(flags=0, most_visits=customers)
         ruin_recreate._Search.plan(SimpleNamespace(columns=columns, held=held, abreast=1), course, ruins_each * customers)
         return course.anneals, course.hot
 

@@ -1,10 +1,14 @@
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 from small_routing import small
 
+import waybound as wb
 from waybound import Route, Routes, RoutingProblem, Sites, VehicleType
+from waybound.formulations.routing.objective import Reward, TotalCost
+from waybound.instances.routing.sites import Group
 from waybound.instances.routing.travel import EXPLICIT, Travel
 from waybound.solvers.engines.routing.routing_integers import integer_routing, with_slope
 from waybound.solvers.engines.routing.ruin_recreate_steps import columns as k
@@ -86,6 +90,16 @@ def test_forbidden_moves_are_longer_than_any_route() -> None:
     held = made(replace(problem, forbidden=shut))
     assert held.ways[0, 1, 2, held.at_way[1]] == MOST > held.types[0, k.MAX_DISTANCE]
     assert held.ways[0, 2, 1, held.at_way[0]] == MOST
+
+
+@pytest.mark.parametrize(("rewards", "told"), [(0.0, True), (np.arange(13.0), False)])
+def test_steps_may_end_early_where_all_of_a_group_are_worth_the_same(rewards: Any, told: bool) -> None:
+    problem = wb.generate("random", customers=12, capacity=40)
+    groups = tuple(Group(tuple(members), True) for members in problem.customers.reshape(4, 3).tolist())
+    none = np.zeros(13, dtype=bool)
+    sites = replace(problem.sites, groups=groups, required=none, reward=np.broadcast_to(rewards, 13))
+    held = made(replace(problem, sites=sites, objective=TotalCost() - Reward()))
+    assert held.most_visits == 4 and bool(held.flags & k.LENGTHENED) is told
 
 
 @pytest.mark.parametrize(("shortcut", "told"), [(0.0, True), (60.0, False)])

@@ -1,8 +1,11 @@
+from dataclasses import replace
+
 import numpy as np
 from small_routing import small
 
 import waybound as wb
 from waybound.formulations.routing.routes import Route, Routes
+from waybound.instances.routing.sites import Group
 from waybound.solvers.engines.routing.routing_integers import integer_routing, with_slope
 from waybound.solvers.engines.routing.ruin_recreate_steps.arrays import arrays
 from waybound.solvers.engines.routing.ruin_recreate_steps.elites import Elites
@@ -29,6 +32,19 @@ def test_an_answer_made_of_two_has_each_customer_once_and_no_more_routes() -> No
         whole = {one.visits for _, other in kept.answers for one in other}
         assert any(one.visits in whole for one in made)
         assert kept.held.put(made)
+
+
+def test_an_answer_made_of_two_visits_one_of_each_group() -> None:
+    problem = wb.generate("random", customers=12, capacity=40)
+    groups = tuple(Group(tuple(members), True) for members in problem.customers.reshape(4, 3).tolist())
+    none = np.zeros(len(problem.sites), dtype=bool)
+    kept = elites(replace(problem, sites=replace(problem.sites, groups=groups, required=none)))
+    for number, offset in enumerate((0, 1, 2)):
+        first, second = groups[:2], groups[2:]
+        kept.add(number, answer([one.sites[offset] for one in first], [one.sites[offset] for one in second]))
+    for _ in range(30):
+        visits = {c for one in kept.make() for c in one.visits}
+        assert all(len(visits.intersection(group.sites)) <= 1 for group in groups)
 
 
 def test_a_better_answer_stands_for_the_one_it_comes_of_and_no_value_twice() -> None:

@@ -7,7 +7,9 @@ import pytest
 from small_routing import small
 
 import waybound as wb
+from waybound.formulations.routing.objective import Reward, TotalCost
 from waybound.formulations.routing.routes import Route, Routes
+from waybound.instances.routing.sites import Group
 from waybound.solvers.backend import Control
 from waybound.solvers.engines.routing.routing_integers import searched_integers
 from waybound.solvers.engines.routing.ruin_recreate_steps import columns as k, partition
@@ -56,6 +58,37 @@ def test_the_best_answer_that_the_routes_make_up_is_found(seed: int) -> None:
     if found is not None:
         assert kept.held.put(found)
         assert kept.held.sums[k.OBJECTIVE] == least
+
+
+@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("required", [True, False])
+def test_one_of_each_group_is_on_the_routes_that_are_chosen(seed: int, required: bool) -> None:
+    """All choices of routes that the pool holds are looked at; sites of a group have different prizes."""
+    problem, rng = wb.generate("random", customers=9, capacity=1000, seed=seed), np.random.default_rng(seed)
+    groups = tuple(Group(tuple(members), required) for members in problem.customers.reshape(3, 3).tolist())
+    prizes = np.zeros(len(problem.sites))
+    prizes[problem.customers] = rng.integers(0, 60, 9)
+    sites = replace(problem.sites, groups=groups, required=np.zeros(len(problem.sites), dtype=bool), reward=prizes)
+    kept = pool(replace(problem, sites=sites, objective=TotalCost() - Reward()))
+    values = []
+    for _ in range(8):
+        visited = [int(rng.choice(group.sites)) for group in groups if required or rng.random() < 0.8]
+        parts = np.array_split(rng.permutation(visited), min(len(visited), rng.integers(1, 3)) or 1)
+        values.append(learn(kept, [part.tolist() for part in parts if len(part)]))
+    every, least = kept.held.customers.tolist(), min(values)
+    for many in range(4):
+        for keys in itertools.combinations(kept.routes, many):
+            visits = [c for key in keys for c in kept.routes[key][1]]
+            of = [int(kept.held.site[c, k.GROUP]) for c in visits]
+            if len(set(of)) == len(of) and (not required or len(of) == 3):
+                cost = sum(kept.routes[key][0] - sum(int(kept.forgone[c]) for c in kept.routes[key][1]) for key in keys)
+                least = min(least, cost + sum(int(kept.held.site[c, k.LOST]) for c in every if c not in visits))
+    for _ in range(3):
+        found = kept.better(10.0, Control())
+        if found is None:
+            break
+        assert kept.held.put(found)
+    assert kept.held.sums[k.OBJECTIVE] == least
 
 
 def test_of_one_set_of_visits_the_cheapest_order_is_kept() -> None:

@@ -42,7 +42,7 @@ def searched(problem: RoutingProblem, steps: int, warmth: float, seed: int = 1) 
     held = arrays(problem, with_slope(problem, integer_routing(problem)), 60, seed)
     best = np.zeros(1 + len(held.node), dtype=np.int64)
     best[0] = np.iinfo(np.int64).max
-    anneal(np.zeros(1, np.int64), *held.parts, best, np.array([10.0, 3.0, 0.0]), steps, warmth, held.flags)
+    anneal(np.zeros(1, np.int64), *held.parts, best, np.array([10.0, 3.0, 0.0, 0.0]), steps, warmth, held.flags)
     return held, best
 
 
@@ -81,5 +81,5 @@ def test_a_wish_to_end_is_heard_at_the_next_look() -> None:
     problem = small("capacity", 0, "round")
     held, best = searched(problem, 10, 1.0)
     done = int(held.sums[k.STEPS])
-    anneal(np.ones(1, np.int64), *held.parts, best, np.array([10.0, 3.0, 0.0]), 10**6, 1.0, held.flags)
+    anneal(np.ones(1, np.int64), *held.parts, best, np.array([10.0, 3.0, 0.0, 0.0]), 10**6, 1.0, held.flags)
     assert done <= held.sums[k.STEPS] <= done + 256

@@ -47,7 +47,7 @@ def test_no_exchange_of_ends_betters_the_last_answer(seed: int, due: float) -> N
     problem = plane(16, seed, due)
     held = arrays(problem, integer_routing(problem), 60, seed)
     best = np.full(1 + len(held.node), np.iinfo(np.int64).max)
-    anneal(np.zeros(1, np.int64), *held.parts, best, np.array([1.0, 1.0, 0.0]), 20_000, 0.0, held.flags)
+    anneal(np.zeros(1, np.int64), *held.parts, best, np.array([1.0, 1.0, 0.0, 0.0]), 20_000, 0.0, held.flags)
     routes = [one.visits for one in held.routes(held.node[:, k.FOLLOWING])]
     cost = value(problem, routes)
     assert cost is not None
