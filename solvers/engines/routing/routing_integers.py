@@ -87,7 +87,7 @@ class IntegerRouting:
     site. Loads have one column a dimension.
 
     Of the arrays with an entry a vehicle type, ``unit``, ``fixed``, ``time`` and ``overtime`` are costs of a unit of distance, of a route,
-    of a unit of duration and of one beyond the regular duration. No vehicle can be used where ``closes`` is before ``opens``; ``leaves`` is
+    of a unit of duration and of one beyond the regular duration; ``counted`` is the part of ``fixed`` that counts routes. No vehicle can be used where ``closes`` is before ``opens``; ``leaves`` is
     the latest departure. Energy becomes limits on time: ``travel_limit`` on the move (``travel_reach`` as a distance, where moves take as
     long as they are), ``charge_limit`` by windows, and ``latest_return`` of a route that starts when its depot opens; ``store`` is the time
     on the move that a store lasts which is filled up on the way, ``store_lacking`` what it lacks of that at departure.
@@ -113,6 +113,7 @@ class IntegerRouting:
     regular_duration: Integers
     unit: Integers
     fixed: Integers
+    counted: Integers
     time: Integers
     overtime: Integers
     opens: Integers
@@ -205,7 +206,7 @@ def integer_routing(problem: RoutingProblem, *, largest: int = 2**44, total: int
         max_distance=length.down([v.max_distance for v in fleet]),
         regular_duration=clock.down(regular),
         unit=per_unit.nearest(goal.unit),
-        fixed=cost.nearest(goal.fixed),
+        fixed=cost.nearest(goal.fixed), counted=cost.nearest(goal.counted),
         time=per_time.nearest(goal.time),
         overtime=per_time.nearest(goal.overtime),
         opens=opens, leaves=np.minimum(np.maximum(opens, due[[v.start for v in fleet]]), closes), closes=closes,
@@ -245,15 +246,17 @@ def with_slope(problem: RoutingProblem, data: IntegerRouting, *, maxima: bool = 
     timed = priced or bool(data.maxima.any())
     if data.unit.any() or ((priced or (timed and not maxima)) and not stops):
         return data
-    data = _coarse(data)
-    step = max(1, int(np.gcd.reduce(np.concatenate([*costs.values()]))))
+    fine, data = data, _coarse(data)
+    costs["maxima"] = data.maxima
+    step = max(1, int(np.gcd.reduce(np.concatenate([*costs.values(), data.counted]))))
     outweighed, moves = 1 + _farthest(problem, data), 2 * len(problem.customers) * (1 + stops)
     most = 1 + sum(int((v // step).sum()) for v in costs.values())
     if timed:
         slowest = moves * max(m.slowest for m in data.moves)
         most *= outweighed + slowest + moves * int(data.service.max()) + int(max(data.opens.max(), data.ready.max()))
     if outweighed * most > UNLIMITED // 4:
-        return data
+        return fine
+    costs["counted"] = data.counted
     dearer = {name: v // step * outweighed for name, v in costs.items()}
     return replace(data, **dearer, unit=np.ones_like(data.unit), cost_factor=data.cost_factor * outweighed / step)
 
@@ -272,9 +275,10 @@ def _coarse(data: IntegerRouting) -> IntegerRouting:
     longest = max(m.longest for m in data.moves)
     if longest <= SLOPE or (data.max_distance != UNLIMITED).any() or (data.travel_reach != UNLIMITED).any():
         return data
-    factor = data.moves[0].length.factor / 2.0 ** math.ceil(math.log2(longest / SLOPE))
+    coarser = 1 << math.ceil(math.log2(longest / SLOPE))
+    factor = data.moves[0].length.factor / coarser
     moves = tuple(replace(m, length=Scale(factor, False)) for m in data.moves)
-    return replace(data, moves=moves, scales={**data.scales, "distance": factor})
+    return replace(data, moves=moves, scales={**data.scales, "distance": factor}, maxima=data.maxima * [1, coarser, 1])
 
 
 def _farthest(problem: RoutingProblem, data: IntegerRouting) -> int:

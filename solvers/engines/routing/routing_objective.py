@@ -25,10 +25,12 @@ class Scalar:
 
     A route costs ``unit[type] * distance + fixed[type] + time[type] * duration``, and ``overtime[type]`` times what the duration exceeds
     the regular one by, minus ``prize`` of the visited sites; ``maxima`` times the largest of ``MAXIMA`` are added. All are at least 0.
+    ``counted`` is the part of ``fixed`` that counts routes, which a vehicle that drives without a visit does not cost.
     """
 
     unit: Floats
     fixed: Floats
+    counted: Floats
     time: Floats
     overtime: Floats
     prize: Floats
@@ -84,7 +86,7 @@ def scalarised(problem: RoutingProblem) -> Scalar:
 
 def _level(problem: RoutingProblem, level: Weighted) -> Scalar:
     fleet, sites = problem.fleet, problem.sites
-    unit, fixed, time, overtime = np.zeros((4, len(fleet)))
+    unit, fixed, counted, time, overtime = np.zeros((5, len(fleet)))
     prize, maxima = np.zeros(len(sites)), np.zeros(len(MAXIMA))
     for weight, term in level.terms:
         amount = abs(weight)
@@ -95,13 +97,14 @@ def _level(problem: RoutingProblem, level: Weighted) -> Scalar:
             overtime += amount * np.array([v.unit_overtime_cost if v.regular_duration < math.inf else 0.0 for v in fleet])
         elif term.name == "vehicles":
             fixed += amount
+            counted += amount
         elif term.name == "total-duration":
             time += amount
         elif term.name in MAXIMA:
             maxima[MAXIMA.index(term.name)] += amount
         else:
             prize += amount * np.where(sites.depot, 0.0, sites.reward if term.name == "reward" else sites.penalty)
-    return Scalar(unit, fixed, time, overtime, prize, maxima)
+    return Scalar(unit, fixed, counted, time, overtime, prize, maxima)
 
 
 def _sign(level: Weighted) -> float:

@@ -273,7 +273,7 @@ class _Search:
         self.advance(int(min(self.held.most_visits, most)), 0.0)
         self.sizes[3] = self.load_price()
         self.find_places(most, idle)
-        rewarded = self.data.prize.any() and self.sloped and self.asked["worth"]
+        rewarded = self.data.prize.any() and self.sloped and self.asked["worth"] and not self.data.maxima.any()
         if rewarded:
             self.held.reward(self.asked["worth"])
         move = self.mean_move()

@@ -226,7 +226,7 @@ def arrays(problem: RoutingProblem, data: IntegerRouting, neighbours: int, seed:
     if stations:
         most_reloads, spare = [MOST] * len(fleet), 2 * len(customers) + 2
     direct, lasts = (moves[data.profile, ends[:, 0], ends[:, 1]] for moves in (on, goes))
-    home = data.unit * direct + data.fixed + data.time * lasts + data.overtime * np.maximum(lasts - data.regular_duration, 0)
+    home = data.unit * direct + data.fixed - data.counted + data.time * lasts + data.overtime * np.maximum(lasts - data.regular_duration, 0)
     home = np.where([v.committed for v in fleet], home, 0)
     dearer = [np.full_like(counts, cost) for cost in data.maxima]
     types = np.column_stack([

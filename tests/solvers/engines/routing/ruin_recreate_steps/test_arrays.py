@@ -7,10 +7,10 @@ from small_routing import small
 
 import waybound as wb
 from waybound import Route, Routes, RoutingProblem, Sites, VehicleType
-from waybound.formulations.routing.objective import Reward, TotalCost
+from waybound.formulations.routing.objective import LongestRoute, Reward, TotalCost, Vehicles
 from waybound.instances.routing.sites import Group
 from waybound.instances.routing.travel import EXPLICIT, Travel
-from waybound.solvers.engines.routing.routing_integers import integer_routing, with_slope
+from waybound.solvers.engines.routing.routing_integers import integer_routing, searched_integers, with_slope
 from waybound.solvers.engines.routing.ruin_recreate_steps import columns as k
 from waybound.solvers.engines.routing.ruin_recreate_steps.arrays import MOST, Arrays, arrays
 
@@ -90,6 +90,27 @@ def test_forbidden_moves_are_longer_than_any_route() -> None:
     held = made(replace(problem, forbidden=shut))
     assert held.ways[0, 1, 2, held.at_way[1]] == MOST > held.types[0, k.MAX_DISTANCE]
     assert held.ways[0, 2, 1, held.at_way[0]] == MOST
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("committed", [False, True])
+@pytest.mark.parametrize(
+    "objective", [LongestRoute() + 0.5 * Vehicles(), 9.0 * Vehicles() + TotalCost(), Vehicles() + 2.0 * LongestRoute()]
+)
+def test_the_objective_in_integers_is_that_of_the_problem(objective: Any, committed: bool, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    xy = rng.uniform(0, 10, (7, 2))
+    sites = Sites.of(range(7), depot=np.arange(7) == 0, coordinates=xy)
+    travel = Travel(EXPLICIT, xy, np.hypot(*(xy[:, None] - xy[None]).transpose(2, 0, 1)))
+    fleet = [VehicleType(count=2, fixed_cost=3.0), VehicleType(count=2, fixed_cost=1.5, unit_cost=0.5, committed=committed)]
+    problem = RoutingProblem(sites, travel, fleet, objective)
+    data, _sloped = searched_integers(problem)
+    held = arrays(problem, data, 60, 1)
+    for _ in range(10):
+        visits = np.array_split(rng.permutation(np.arange(1, 7)), rng.integers(1, 4))
+        answer = Routes.of(Route(tuple(map(int, one)), kind) for one, kind in zip(visits, rng.permutation([0, 0, 1, 1]), strict=False))
+        assert held.put(answer)
+        assert held.sums[k.OBJECTIVE] / data.cost_factor == pytest.approx(problem.evaluate(answer).values[0], rel=1e-4)
 
 
 @pytest.mark.parametrize(("rewards", "told"), [(0.0, True), (np.arange(13.0), False)])
