@@ -87,10 +87,11 @@ class IntegerRouting:
     site. Loads have one column a dimension.
 
     Of the arrays with an entry a vehicle type, ``unit``, ``fixed``, ``time`` and ``overtime`` are costs of a unit of distance, of a route,
-    of a unit of duration and of one beyond the regular duration; ``counted`` is the part of ``fixed`` that counts routes. No vehicle can be used where ``closes`` is before ``opens``; ``leaves`` is
-    the latest departure. Energy becomes limits on time: ``travel_limit`` on the move (``travel_reach`` as a distance, where moves take as
-    long as they are), ``charge_limit`` by windows, and ``latest_return`` of a route that starts when its depot opens; ``store`` is the time
-    on the move that a store lasts which is filled up on the way, ``store_lacking`` what it lacks of that at departure.
+    of a unit of duration and of one beyond the regular duration; ``counted`` is the part of ``fixed`` that counts routes. No vehicle can be
+    used where ``closes`` is before ``opens``; ``leaves`` is the latest departure. Energy becomes limits on time: ``travel_limit`` on the
+    move (``travel_reach`` as a distance, where moves take as long as they are), ``charge_limit`` by windows, and ``latest_return`` of a
+    route that starts when its depot opens; ``store`` is the time on the move that a store lasts which is filled up on the way,
+    ``store_lacking`` what it lacks of that at departure.
 
     ``prize`` is the value of a visit in units of cost; ``maxima`` are costs of a unit of the largest duration, distance and return, in the
     order of ``routing_objective.MAXIMA``; ``cost_factor`` is the number of integers in one unit of the objective; ``scales`` are for the
@@ -278,7 +279,7 @@ def _coarse(data: IntegerRouting) -> IntegerRouting:
     coarser = 1 << math.ceil(math.log2(longest / SLOPE))
     factor = data.moves[0].length.factor / coarser
     moves = tuple(replace(m, length=Scale(factor, False)) for m in data.moves)
-    return replace(data, moves=moves, scales={**data.scales, "distance": factor}, maxima=data.maxima * [1, coarser, 1])
+    return replace(data, moves=moves, scales={**data.scales, "distance": factor}, maxima=data.maxima * np.array([1, coarser, 1]))
 
 
 def _farthest(problem: RoutingProblem, data: IntegerRouting) -> int:
