@@ -6,13 +6,12 @@ from collections.abc import Collection, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .errors import InputError
+from .number_arrays import Flags, Floats, Integers
 from .suggestions import did_you_mean
 from .text import plain, shown
 
-Floats = NDArray[np.float64]
 Object = dict[str, Any]
 
 DEEPEST = 50
@@ -154,7 +153,7 @@ def reals(data: Any, path: str, length: int | None = None, *, null: float | None
     return np.array([real(item, f"{path}[{k}]", null=null) for k, item in enumerate(items)], dtype=np.float64)
 
 
-def wholes(data: Any, path: str, length: int | None = None) -> NDArray[np.int64]:
+def wholes(data: Any, path: str, length: int | None = None) -> Integers:
     """A list of whole numbers of at least 0, of the given length where one is given."""
     items = array(data, path, length)
     if not all(type(item) is int and 0 <= item < 10**18 for item in items):
@@ -163,7 +162,7 @@ def wholes(data: Any, path: str, length: int | None = None) -> NDArray[np.int64]
     return np.array(items, dtype=np.int64)
 
 
-def flags(data: Any, path: str, length: int) -> NDArray[np.bool_]:
+def flags(data: Any, path: str, length: int) -> Flags:
     """A list of true and false, as an array of the given length."""
     items = array(data, path, length)
     for k, item in enumerate(items):

@@ -11,7 +11,7 @@ from .errors import InputError
 
 Floats = NDArray[np.float64]
 Flags = NDArray[np.bool_]
-Longs = NDArray[np.int64]
+Integers = NDArray[np.int64]
 Indices = NDArray[np.int32]
 T = TypeVar("T", bound=np.generic)
 

@@ -5,13 +5,8 @@ import re
 from os import PathLike
 from pathlib import Path
 
-import numpy as np
-from numpy.typing import NDArray
-
 from .errors import Code, InputError
 from .printable import printable
-
-Floats = NDArray[np.float64]
 
 LARGEST_FILE = 1 << 30
 """Files beyond this many bytes are refused unread."""

@@ -4,12 +4,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-import numpy as np
-from numpy.typing import NDArray
-
 from ...instances.errors import InputError
-
-Integers = NDArray[np.int64]
+from ...instances.number_arrays import Integers
 
 
 class Sortie(NamedTuple):

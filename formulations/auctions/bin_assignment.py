@@ -18,7 +18,7 @@ from ...instances.auctions.assignment import AssignmentInstance
 from ...instances.errors import InputError, UsageError
 from ...instances.generators.settings import Setting
 from ...instances.instance import digest, with_settings
-from ...instances.number_arrays import Spread, spread, unchanging
+from ...instances.number_arrays import Floats, Spread, spread, unchanging
 from ...instances.text import number, plain
 from ..evaluation import Evaluation, judge
 from ..evidence import CHECKERS, Evidence, Reason
@@ -28,7 +28,6 @@ from .matching import largest_matching, surplus_rows
 if TYPE_CHECKING:
     import pandas as pd
 
-Floats = NDArray[np.float64]
 Assignment = tuple[int, ...]
 """Bin of each robot, -1 for none."""
 

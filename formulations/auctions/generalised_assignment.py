@@ -6,11 +6,11 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...instances.auctions.generalised_assignment import OBJECTIVES, GeneralisedAssignmentInstance
 from ...instances.errors import InputError, UsageError
 from ...instances.instance import digest
+from ...instances.number_arrays import Flags
 from ..evaluation import Evaluation, judge
 from ..evidence import CHECKERS, Evidence, Reason
 from ..problem import PROBLEMS, Problem, refuse_settings
@@ -19,7 +19,6 @@ from ..tolerance import allowance, room
 if TYPE_CHECKING:
     import pandas as pd
 
-Floats = NDArray[np.float64]
 AgentOfJob = tuple[int, ...]
 """Agent of each job, -1 for none."""
 
@@ -69,7 +68,7 @@ class GeneralisedAssignment(Problem):
         return cls(GeneralisedAssignmentInstance(values, consumption, capacity, objective, **further))
 
     @cached_property
-    def fitting(self) -> NDArray[np.bool_]:
+    def fitting(self) -> Flags:
         """Which pairs are allowed, and fit an agent that has nothing else to do; shape (agents, jobs)."""
         data = self.instance
         most = np.array([room(row, b) for row, b in zip(data.consumption, data.capacity.tolist(), strict=True)])

@@ -6,11 +6,11 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...instances.auctions.joint_assignment import JointAssignmentInstance
 from ...instances.errors import InputError, UsageError
 from ...instances.instance import digest
+from ...instances.number_arrays import Flags, Floats, Integers
 from ..evaluation import Evaluation, judge
 from ..problem import PROBLEMS, Problem, refuse_settings
 from .matching import largest_matching
@@ -18,7 +18,6 @@ from .matching import largest_matching
 if TYPE_CHECKING:
     import pandas as pd
 
-Floats = NDArray[np.float64]
 Errands = tuple[tuple[int, int], ...]
 """Bin and request of each robot, -1 for none."""
 
@@ -77,23 +76,23 @@ class JointAssignment(Problem):
         return cls(JointAssignmentInstance(to_bin, to_request, between, filled, **further))
 
     @cached_property
-    def fetching(self) -> NDArray[np.bool_]:
+    def fetching(self) -> Flags:
         """Which robot may fetch which bin; shape (robots, bins)."""
         assert self.instance.filled is not None
         return np.isfinite(self.instance.to_bin) & np.isfinite(self.instance.filled)
 
     @cached_property
-    def bringing(self) -> NDArray[np.bool_]:
+    def bringing(self) -> Flags:
         """Which robot may serve which request; shape (robots, requests)."""
         return np.isfinite(self.instance.to_request)
 
     @cached_property
-    def fetched(self) -> NDArray[np.int64]:
+    def fetched(self) -> Integers:
         """Some way to fetch the most bins: one a robot, -1 for none."""
         return _largest(self.fetching)
 
     @cached_property
-    def served(self) -> NDArray[np.int64]:
+    def served(self) -> Integers:
         """Some way to serve the most requests: one a robot, -1 for none."""
         return _largest(self.bringing)
 
@@ -233,7 +232,7 @@ def _errand(one: Any, bins: int, requests: int) -> bool:
     return pair and -1 <= one[0] < bins and -1 <= one[1] < requests
 
 
-def _largest(allowed: NDArray[np.bool_]) -> NDArray[np.int64]:
+def _largest(allowed: Flags) -> Integers:
     if not allowed.shape[1]:
         return np.full(len(allowed), -1)
     indptr = np.concatenate([[0], np.cumsum(allowed.sum(axis=1))])

@@ -3,8 +3,9 @@
 import numpy as np
 from numpy.typing import NDArray
 
+from ...instances.number_arrays import Flags as Marks
+
 Indices = NDArray[np.integer]
-Marks = NDArray[np.bool_]
 
 MANY_PAIRS = 50_000
 """Pairs from which on a compiled loop is worth loading."""

@@ -5,12 +5,12 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...instances.auctions.orchard_jobs import OrchardJobs
 from ...instances.errors import InputError, UsageError
 from ...instances.generators.settings import Setting
 from ...instances.instance import digest, with_settings
+from ...instances.number_arrays import Integers
 from ..evaluation import Checklist, Evaluation
 from ..problem import PROBLEMS, Problem, refuse_settings
 from ..stop import NEVER, Stop
@@ -18,7 +18,6 @@ from ..stop import NEVER, Stop
 if TYPE_CHECKING:
     import pandas as pd
 
-Integers = NDArray[np.int64]
 
 Trip = tuple[int, int]
 """The bin brought, and the bin then fetched; -1 for none."""

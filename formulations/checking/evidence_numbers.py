@@ -5,11 +5,9 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...instances.errors import InputError
-
-Floats = NDArray[np.float64]
+from ...instances.number_arrays import Floats
 
 
 def number(data: Mapping[str, Any], key: str, default: float | None = None) -> float:

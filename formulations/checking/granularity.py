@@ -4,9 +4,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-Floats = NDArray[np.float64]
+from ...instances.number_arrays import Floats as Floats
 
 LIFT_TOLERANCE = 1e-6
 """Share of a grain by which a bound may exceed a multiple and still be rounded up to that multiple only."""

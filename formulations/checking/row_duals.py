@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from ...instances.number_arrays import Floats
 
 _EPS = float(np.finfo(np.float64).eps)
 

@@ -6,7 +6,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Floats = NDArray[np.float64]
+from ...instances.number_arrays import Floats
+
 Indices = NDArray[np.integer[Any]]
 
 

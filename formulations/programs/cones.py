@@ -6,10 +6,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...instances.number_arrays import Floats as Floats
+
 if TYPE_CHECKING:
     import scipy.sparse as sp
 
-Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]
 
 KINDS = ("second-order", "exponential")

@@ -5,17 +5,14 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...instances.errors import InputError
-from ...instances.number_arrays import reals
+from ...instances.number_arrays import Floats as Floats, reals
 from ..references import is_number
 
 if TYPE_CHECKING:
     from .risk_allocation import RiskAllocation
-
-
-Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,13 +14,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...instances.number_arrays import Floats, Integers as Ints
 from .normal import ndtr, ndtri
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-Flags = NDArray[np.bool_]
 
 POINTS, MORE_POINTS = 24_000, 96_000
 """Samples; more where an answer is judged by them."""

@@ -10,8 +10,8 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ...instances.number_arrays import Floats
 from ..evaluation import Check, Evaluation, Violation, judge
 from ..tolerance import LIMIT, ROUNDING, VECTOR
 from .normal import ndtr, ndtri
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
     from .allocations import Allocation
     from .risk_allocation import RiskAllocation
 
-Floats = NDArray[np.float64]
 Judged = tuple[Check, list[Violation]]
 
 SMALLEST_RISK = 1e-300

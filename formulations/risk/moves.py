@@ -11,16 +11,12 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...instances.errors import UsageError
-from ...instances.number_arrays import entries_of
+from ...instances.number_arrays import Floats as Floats, Integers as Indices, entries_of
 from ...instances.risk.element import TraverseElement
 from ...instances.risk.risky_graph import RiskyGraph
 from ..evidence import Evidence
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 MOST_PAIRS = 30_000_000
 """Pairs of moves that are written down at most: 24 bytes each, and as much again while they are made."""

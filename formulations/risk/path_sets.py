@@ -14,11 +14,10 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...instances.errors import InputError, UsageError
-
-Floats = NDArray[np.float64]
+from ...instances.number_arrays import Floats
 
 FIRST_EDGES = ("separate", "shared")
 """Cost of the first edge: each path of a set has a copy of it to itself (Skeele 2016), or all share one."""

@@ -10,13 +10,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...instances.errors import InputError, UsageError
+from ...instances.number_arrays import Floats
 from ...instances.risk.uncertain_graph import UncertainGraph
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 MOST_PATHS = 60
 """Most paths of an exact comparison: the lattice loses its evenness in more dimensions."""

@@ -16,7 +16,7 @@ from ...instances.routing.sites import Sites, with_unused
 from ...instances.routing.travel import EXPLICIT
 from .objective import DEFAULT_OBJECTIVE, default_objective, pointless
 from .reachability import unreachable
-from .routes import Floats, Longs
+from .routes import Floats, Integers
 
 if TYPE_CHECKING:
     from ...instances.routing.travel import Travel
@@ -99,7 +99,7 @@ def _unlimited(problem: RoutingProblem) -> list[str]:
     return texts
 
 
-FURTHER: dict[str, tuple[str, Callable[[Sites, Longs], Any]]] = {
+FURTHER: dict[str, tuple[str, Callable[[Sites, Integers], Any]]] = {
     "demand-or-service-of-depots": (
         "at_depots", lambda s, at: {name: math.fsum(getattr(s, name)[s.depots]) for name in ("demand", "service")}
     ),

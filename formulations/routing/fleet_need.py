@@ -20,7 +20,7 @@ from ..evidence import Evidence
 from ..tolerance import widened
 from ..verified_bounds import verified_bound
 from .reachability import unreachable
-from .routes import Flags, Floats, Longs
+from .routes import Flags, Floats, Integers
 
 if TYPE_CHECKING:
     from .problem import RoutingProblem
@@ -202,7 +202,7 @@ def _small_groups(problem: RoutingProblem, stopped: Callable[[], bool], most: in
     yield _evidence(problem, "sites-beyond-fleet", f"no choice of routes lets {who} serve {what}{least}: {', '.join(names)}", sites=names)
 
 
-def _beyond(problem: RoutingProblem, group: Longs) -> bool:
+def _beyond(problem: RoutingProblem, group: Integers) -> bool:
     return proves(problem, _evidence(problem, "sites-beyond-fleet", "", sites=[problem.sites.ids[k] for k in group]))
 
 
@@ -231,7 +231,7 @@ def bin_packing_bound(demand: Floats, capacity: float) -> tuple[int, float]:
     return best, at
 
 
-def _compatible(problem: RoutingProblem, wanted: Longs) -> tuple[Flags, Flags]:
+def _compatible(problem: RoutingProblem, wanted: Integers) -> tuple[Flags, Flags]:
     """Which vehicle type may serve each site, shape (types, wanted), and whether two sites may share a route of some vehicle.
 
     Times between sites are those of shortest ways without service on the way, so that no other visit can make a pair fit.
@@ -257,7 +257,7 @@ def _keeps(uses: Iterable[Use]) -> Flags:
     return functools.reduce(np.logical_and, (use.least <= widened(use.most) for use in uses))
 
 
-def _largest_clique(edges: Flags) -> Longs:
+def _largest_clique(edges: Flags) -> Integers:
     """A large set of which all pairs are joined: greedy from the nodes of highest degree."""
     edges = edges.copy()
     np.fill_diagonal(edges, False)

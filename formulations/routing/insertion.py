@@ -17,7 +17,7 @@ import numpy as np
 from ..evaluation import Checklist
 from ..tolerance import ROUNDING, allowance
 from .judge import check_route
-from .routes import Floats, Longs, Route
+from .routes import Floats, Integers, Route
 from .schedule import closing, opening, schedule
 
 if TYPE_CHECKING:
@@ -62,7 +62,7 @@ class Insertions:
         self.gone = travel.duration(self.tail, self.head)
         self.times = _Times(ready, due, service, self.gone)
 
-    def of(self, sites: Longs) -> Places:
+    def of(self, sites: Integers) -> Places:
         """Routes with each of ``sites``, customers that it does not visit and that are in no shipment, from before the first stop to
         behind the last one."""
         problem, plan, tail, head, ready, gone = self.problem, self.plan, self.tail, self.head, self.ready, self.gone
@@ -111,7 +111,7 @@ class Insertions:
             drawn = elapsed
         return _beyond(energy.rate * drawn, store, rounding)
 
-    def _overload(self, sites: Longs) -> Floats:
+    def _overload(self, sites: Integers) -> Floats:
         """Excess of load: a delivery is on board from the begin of its trip, a pickup to its end."""
         s, vehicle, n = self.problem.sites, self.problem.fleet[self.route.vehicle], len(self.head)
         pauses = [0, *(k for k, stop in enumerate(self.route.visits, start=1) if stop in vehicle.reloads), n]

@@ -16,7 +16,7 @@ from ...instances.clock import moment_told
 from ..evaluation import Checklist, Evaluation
 from ..tolerance import EQUAL, ROUNDING, allowance, widening
 from .overrun import joint_overrun, route_overrun, uncertain
-from .routes import Floats, Longs, Route, Routes
+from .routes import Floats, Integers, Route, Routes
 from .schedule import Schedule as Schedule, closing, opening, schedule as schedule
 
 if TYPE_CHECKING:
@@ -249,7 +249,7 @@ def _check_limits(name: str, vehicle: VehicleType, plan: Schedule, judge: Checkl
             judge.test("route-risk", value - one.limit, f"{words}, {vehicle.risk:g} at most", allowed=slack, vehicle=name)
 
 
-def _check_counts(problem: RoutingProblem, count: Longs, used: Longs, judge: Checklist) -> None:
+def _check_counts(problem: RoutingProblem, count: Integers, used: Integers, judge: Checklist) -> None:
     """Visits of each site, and routes of each type of vehicle."""
     sites, total = problem.sites, int(used.sum())
     for site in problem.customers.tolist():
@@ -279,7 +279,7 @@ def _check_shipments(problem: RoutingProblem, answer: Routes, judge: Checklist) 
         judge.test("shipments", float(bool(wrong)), f"the shipment from {first} to {last}: {wrong}", site=first)
 
 
-def _check_groups(problem: RoutingProblem, count: Longs, judge: Checklist) -> Longs:
+def _check_groups(problem: RoutingProblem, count: Integers, judge: Checklist) -> Integers:
     """Checks groups; returns the sites whose penalty is due."""
     sites = problem.sites
     for group in sites.groups:
@@ -287,5 +287,5 @@ def _check_groups(problem: RoutingProblem, count: Longs, judge: Checklist) -> Lo
         names = ", ".join(sites.ids[k] for k in group.sites)
         lacking = float(times - 1 if times or not group.required else 1)
         judge.test("groups", lacking, f"{times} of these alternatives are visited: {names}", site=sites.ids[group.sites[0]])
-    unvisited: Longs = problem.customers[count[problem.customers] == 0]
+    unvisited: Integers = problem.customers[count[problem.customers] == 0]
     return unvisited

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from ...instances.errors import InputError
-from ...instances.number_arrays import Flags as Flags, Floats as Floats, Longs as Longs
+from ...instances.number_arrays import Flags as Flags, Floats as Floats, Integers as Integers
 from ...instances.printable import printable
 from ..tolerance import ROUNDING
 

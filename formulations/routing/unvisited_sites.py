@@ -18,7 +18,7 @@ from ..tolerance import EQUAL
 from .insertion import LIMITS, Insertions, Places, is_plain, judged, orders
 from .objective import Penalties, Reward
 from .reachability import unreachable
-from .routes import Floats, Longs, Route, Routes
+from .routes import Floats, Integers, Route, Routes
 from .schedule import opening, schedule
 
 if TYPE_CHECKING:
@@ -138,7 +138,7 @@ class _Answer:
         every = itertools.permutations(sorted(together)) if len(together) <= MOST_TOGETHER else iter(())
         return [listed for listed in every if all(listed.index(p) < listed.index(d) for p, d in pairs)]
 
-    def _plain(self, sites: Longs) -> Iterator[tuple[int, str]]:
+    def _plain(self, sites: Integers) -> Iterator[tuple[int, str]]:
         tally = _Tally(len(sites), len(self.problem.senses))
         for number, route in enumerate(self.routes):
             places, step = Insertions(self.problem, route), max(1, STRIP // (len(route) + 1))
@@ -149,7 +149,7 @@ class _Answer:
         for k, site in enumerate(sites.tolist()):
             yield site, self._reason(tally, k, (site,))
 
-    def _changes(self, number: int, places: Places, sites: Longs) -> tuple[Floats, Floats]:
+    def _changes(self, number: int, places: Places, sites: Integers) -> tuple[Floats, Floats]:
         """Increase of each level of the objective for each insertion, shape (levels, sites, places), and the worth of the added visits."""
         problem, old = self.problem, self.sums[number]
         s, others = problem.sites, np.delete(self.all_sums, number, axis=0)

@@ -7,10 +7,10 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...instances.errors import InputError, UsageError
 from ...instances.instance import digest
+from ...instances.number_arrays import Floats
 from ...instances.printable import printable
 from ...instances.sata.constraints import PartitionMatroid
 from ...instances.sata.sensing_graph import SensingGraph
@@ -23,8 +23,6 @@ from .selections import Selection, action_index, actions_from_json, actions_to_j
 
 if TYPE_CHECKING:
     import pandas as pd
-
-Floats = NDArray[np.float64]
 
 
 class BottleneckSATA(DecidedElements):

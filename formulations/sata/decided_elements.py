@@ -11,11 +11,10 @@ from numpy.typing import NDArray
 
 from ...instances.errors import InputError
 from ...instances.instance import digest
+from ...instances.number_arrays import Integers as Elements
 from ...instances.printable import printable
 from ..evaluation import Evaluation, judge
 from ..problem import Decision, Problem
-
-Elements = NDArray[np.int64]
 
 NONE: Elements = np.zeros(0, dtype=np.int64)
 

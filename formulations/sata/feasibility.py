@@ -6,11 +6,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...instances.number_arrays import Flags as Masks, Floats
 from ...instances.sata.constraints import Constraint, LimitRows
 from ..tolerance import room
-
-Floats = NDArray[np.float64]
-Masks = NDArray[np.bool_]
 
 CHUNK = 1 << 24
 """Bytes of masks that are made at once."""
@@ -30,13 +28,13 @@ def in_budgets(costs: Floats, budget: float) -> tuple[Floats, float]:
         return np.ldexp(costs, -exponent), float(np.ldexp(budget, -exponent))
 
 
-def allowed(constraint: Constraint, masks: Masks) -> NDArray[np.bool_]:
+def allowed(constraint: Constraint, masks: Masks) -> Masks:
     """True for each of the sets given by the rows of ``masks`` that passes the check, shape (sets,)."""
     rows = constraint.rows(masks.shape[1])
     return constraint.allows(masks) if rows is None else np.asarray((rows.totals(masks) <= spendable(rows)).all(axis=1))
 
 
-def with_each(inside: NDArray[np.bool_], elements: NDArray[np.integer[Any]]) -> Iterator[tuple[slice, Masks]]:
+def with_each(inside: Masks, elements: NDArray[np.integer[Any]]) -> Iterator[tuple[slice, Masks]]:
     """Masks of the set ``inside`` with one of ``elements`` added to each, a part of them at a time, and where this part stands."""
     step = max(1, CHUNK // max(1, len(inside)))
     for first in range(0, len(elements), step):

@@ -6,9 +6,9 @@ from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...instances.errors import InputError, UnsupportedError, UsageError
+from ...instances.number_arrays import Floats
 from ...instances.sata.max_min_lp import MaxMinInstance, SparseMatrix
 from ...instances.sata.sensing_graph import SensingGraph
 from ..evaluation import Evaluation, judge
@@ -20,9 +20,6 @@ from .bottleneck_sata import BottleneckSATA
 
 if TYPE_CHECKING:
     import pandas as pd
-
-
-Floats = NDArray[np.float64]
 
 
 class MaxMinLP(Problem):

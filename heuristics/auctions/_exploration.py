@@ -3,12 +3,11 @@
 from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...formulations.auctions.room_exploration import GO, MAP, SEARCH
 from ...instances.errors import InputError
-
-Integers = NDArray[np.int64]
+from ...instances.number_arrays import Flags, Integers
 
 Deed = tuple[int, int]
 """Room, and action there."""
@@ -24,8 +23,8 @@ Offer = tuple[float, int, tuple[tuple[int, int], ...]]
 
 
 def explorers_and_relays(
-    adjacent: NDArray[np.bool_],
-    linked: NDArray[np.bool_],
+    adjacent: Flags,
+    linked: Flags,
     base: int,
     here: Sequence[int],
     silent: Sequence[int],
@@ -66,7 +65,7 @@ class _Step:
     """The choices of robots in one step: ``deeds`` are the actions chosen so far, ``bound`` the explorer that each relay belongs to."""
 
     def __init__(
-        self, adjacent: NDArray[np.bool_], linked: NDArray[np.bool_], near: NDArray[np.bool_], here: Sequence[int], silent: Sequence[int],
+        self, adjacent: Flags, linked: Flags, near: Flags, here: Sequence[int], silent: Sequence[int],
         longest: int, worth: Worth, teams: Teams,
     ) -> None:  # fmt: skip
         self.linked, self.near, self.here, self.silent, self.longest = linked, near, here, silent, longest

@@ -1,11 +1,10 @@
 """Tours of one robot that gathers from stores: the order of its waypoints by urgency, and how much it takes at each."""
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...instances.errors import InputError, UsageError
-
-Floats = NDArray[np.float64]
+from ...instances.number_arrays import Floats
 
 URGENCIES = ("shifted", "literal", "rate")
 """``literal``: (rate - time) / distance, as printed, which grows with the distance where it is negative. ``shifted``: the same with the

@@ -4,11 +4,11 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...formulations.auctions.task_allocation import Paths, TaskAllocation
 from ...formulations.stop import Stop
 from ...instances.errors import UsageError
+from ...instances.number_arrays import Flags, Floats, Integers
 from ..heuristic import Context, Outcome, heuristic
 from .auction_steps.task_paths import ANY_OBJECTIVE, CUT_SHORT, arrays_of, completed
 
@@ -50,7 +50,7 @@ def consensus_bundle(problem: TaskAllocation, context: Context, *, communication
     return Outcome(_inserted(problem, _once(paths), stop), statistics=statistics, message=message)
 
 
-def graph_of(communication: str, robots: int) -> NDArray[np.bool_]:
+def graph_of(communication: str, robots: int) -> Flags:
     """Pairs of robots that hear each other, shape (robots, robots)."""
     number = np.arange(robots)
     apart = np.abs(number[:, None] - number)
@@ -69,7 +69,7 @@ def _agree(problem: TaskAllocation, communication: str, most: int | None, stop: 
     starts, between = arrays_of(problem)
     waiting, largest = problem.objective == "mini-ave", problem.objective == "mini-max"
 
-    def gains(robot: int, path: tuple[int, ...]) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
+    def gains(robot: int, path: tuple[int, ...]) -> tuple[Floats, Integers]:
         added, place = insertions(stop.flag, starts[robot], between, np.array(path, dtype=np.int64), waiting)
         return -(added + float(problem.legs(robot, path).sum())) if largest else -added, place
 
@@ -98,10 +98,6 @@ def _inserted(problem: TaskAllocation, paths: Paths, stop: Stop) -> Paths:
         longer[robot].insert(int(ways[robot][1][task]), task)
     return tuple(tuple(path) for path in longer)
 
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
-Flags = NDArray[np.bool_]
 
 Gains = Callable[[int, tuple[int, ...]], tuple[Floats, Integers]]
 """Gains that each task would add to the value of a robot's path, and at which place; tasks of the path are ignored."""

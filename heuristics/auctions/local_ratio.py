@@ -8,6 +8,7 @@ from ...formulations.evidence import Guarantee
 from ...formulations.stop import NEVER, Stop
 from ...formulations.tolerance import room
 from ...instances.errors import UsageError
+from ...instances.number_arrays import Floats
 from ..heuristic import Context, Outcome, heuristic
 
 SOURCE = "Cohen, Katzir and Raz (2006), An efficient approximation for the generalized assignment problem, theorem 1"
@@ -59,8 +60,6 @@ def local_ratio(problem: GeneralisedAssignment, context: Context, *, order: tupl
         guarantee = Guarantee(2.0 if exact else 3.0, f"profit >= optimum / {2 if exact else 3}", (knapsacks,), SOURCE)
     return Outcome(tuple(agent.tolist()), guarantee, limit=stop.reached() or "none")
 
-
-Floats = NDArray[np.float64]
 
 LONGEST = 1 << 15
 """Undominated sets that are kept; for whole weights these are all of them if the capacity is no more."""

@@ -3,14 +3,12 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...formulations.auctions.generalised_assignment import GeneralisedAssignment
 from ...formulations.stop import NEVER, Stop
 from ...formulations.tolerance import room
+from ...instances.number_arrays import Floats, Integers
 from ..heuristic import Context, Outcome, heuristic
-
-Floats = NDArray[np.float64]
 
 SMALLEST = 1e-9
 """Parts of a job that count as none: linear programs are solved to about this."""
@@ -35,7 +33,7 @@ def rounded(problem: GeneralisedAssignment, parts: Floats) -> tuple[int, ...] | 
         return None
     parts = parts / whole
     owner: list[int] = []
-    pairs: list[tuple[NDArray[np.int64], int, Floats]] = []  # jobs of a slot, and their costs
+    pairs: list[tuple[Integers, int, Floats]] = []  # jobs of a slot, and their costs
     for i in range(problem.num_agents):
         jobs = np.nonzero(parts[i])[0]
         jobs = jobs[np.argsort(-instance.consumption[i, jobs], kind="stable")]

@@ -6,7 +6,6 @@ from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...formulations.evidence import Guarantee
 from ...formulations.sata.bottleneck_sata import BottleneckSATA
@@ -16,6 +15,7 @@ from ...formulations.sata.submodular_selection import SubmodularSelection
 from ...formulations.stop import Stop
 from ...formulations.tolerance import room
 from ...instances.errors import UsageError
+from ...instances.number_arrays import Floats
 from ...solvers.bounds.sata.growing_sets import WeightedSet
 from ..heuristic import CUT_SHORT, Context, Outcome, heuristic
 from .greedy_steps.limits import ANY_CONSTRAINT, ANY_FUNCTION, Limits, not_whole
@@ -32,8 +32,6 @@ MOST_NUMBERS = 50_000_000
 
 CHUNK = 4096
 """Sets that a user's function is given at once."""
-
-Floats = NDArray[np.float64]
 
 
 @heuristic(

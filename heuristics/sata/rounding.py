@@ -14,11 +14,10 @@ from ...formulations.sata.bottleneck_sata import BottleneckSATA
 from ...formulations.sata.selections import Selection
 from ...formulations.sata.submodular_selection import SubmodularSelection
 from ...instances.errors import UnsupportedError, UsageError
+from ...instances.number_arrays import Floats
 from ...instances.sata.sensing_graph import SensingGraph
 from ..heuristic import Context, Outcome, heuristic
 from .greedy_steps.limits import FORMULATED, FUNCTIONS, first_allowed, not_whole
-
-Floats = NDArray[np.float64]
 
 TIES = ("last", "first", "random")
 

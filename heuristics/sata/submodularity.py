@@ -6,15 +6,14 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ...formulations.sata.feasibility import CHUNK, allowed
 from ...formulations.sata.submodular_selection import SubmodularSelection
 from ...instances.errors import UsageError
+from ...instances.number_arrays import Flags as Masks, Integers
 from ...instances.sata.constraints import Constraint
 from ...instances.sata.set_functions import Floats, SetFunction, UserFunction
-
-Masks = NDArray[np.bool_]
 
 TOLERANCE = 1e-9
 """A gain may miss its side of an inequality by this share of the largest value seen: rounding is no violation."""
@@ -175,7 +174,7 @@ def _number_of_adjacent(n: int) -> float:
     return math.inf if n > 60 else n * (n - 1) * 2.0 ** (n - 2) if n > 1 else float(n)
 
 
-def _triples(n: int, samples: int, rng: "np.random.Generator", constraint: Constraint | None) -> tuple[Masks, Masks, NDArray[np.int64]]:
+def _triples(n: int, samples: int, rng: "np.random.Generator", constraint: Constraint | None) -> tuple[Masks, Masks, Integers]:
     # The first elements of a random order are B, the next is e, and some of the first are A.
     order = np.argsort(rng.random((samples, n)), axis=1)
     place = np.empty_like(order)
@@ -191,7 +190,7 @@ def _triples(n: int, samples: int, rng: "np.random.Generator", constraint: Const
     return a, b, e
 
 
-def _allowed(place: NDArray[np.int64], constraint: Constraint) -> NDArray[np.int64]:
+def _allowed(place: Integers, constraint: Constraint) -> Integers:
     """Number of the first elements of each order, given by their places in it, that the constraint allows together: by bisection."""
     low, high = np.zeros(len(place), dtype=np.int64), np.full(len(place), place.shape[1])
     while (low < high).any():
@@ -201,7 +200,7 @@ def _allowed(place: NDArray[np.int64], constraint: Constraint) -> NDArray[np.int
     return low
 
 
-def _all_adjacent(n: int) -> tuple[Masks, Masks, NDArray[np.int64]]:
+def _all_adjacent(n: int) -> tuple[Masks, Masks, Integers]:
     """Every A, e outside of it, and B = A + one more element; with one element or none, the only triple there is."""
     if n < 2:
         return np.zeros((n, n), dtype=bool), np.zeros((n, n), dtype=bool), np.zeros(n, dtype=np.int64)
@@ -216,7 +215,7 @@ def _all_adjacent(n: int) -> tuple[Masks, Masks, NDArray[np.int64]]:
     return a, b, e
 
 
-def _members(mask: NDArray[np.bool_]) -> tuple[int, ...]:
+def _members(mask: Masks) -> tuple[int, ...]:
     return tuple(np.nonzero(mask)[0].tolist())
 
 

@@ -15,12 +15,12 @@ from .. import number_arrays as arrays
 from ..declared import Declared, NameOf, Names
 from ..document import fields, json_numbers, matrix, reals, wholes
 from ..errors import InputError
+from ..number_arrays import Floats
 from ..parts import LARGEST, Axis, Count, Numbers
 
 if TYPE_CHECKING:
     import pandas as pd
 
-Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]
 
 PROBLEMS = ("bin-assignment", "bottleneck-assignment")

@@ -6,17 +6,16 @@ import math
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import InputError
 from ..frames import name_of
+from ..number_arrays import Floats, Integers
 from ..suggestions import did_you_mean
 from ..text import number, shown
 
 if TYPE_CHECKING:
     import pandas as pd
 
-Floats = NDArray[np.float64]
 
 COLUMNS = ("robot", "bin", "cost")
 """Titles of a table of pairs."""
@@ -95,7 +94,7 @@ def _pairs(frame: pd.DataFrame, titles: list[str]) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _numbered(column: Any) -> tuple[NDArray[np.int64], tuple[str, ...]]:
+def _numbered(column: Any) -> tuple[Integers, tuple[str, ...]]:
     """A number from 0 for each cell, as they first appear, -1 for none; and the names."""
     import pandas as pd
 
@@ -129,7 +128,7 @@ def _number(value: Any, row: int, title: str, expected: str) -> float:
         raise InputError(f"column {title} holds no number in row {row + 1}", expected=expected, found=shown(str(value))) from None
 
 
-def _told(title: str, column: Any, owner: NDArray[np.int64], names: tuple[str, ...]) -> Floats:
+def _told(title: str, column: Any, owner: Integers, names: tuple[str, ...]) -> Floats:
     """One number per robot or bin, out of all its rows."""
     values = _numbers(title, column)
     numbers, row = np.full(len(names), np.nan), np.zeros(len(names), dtype=np.int64)

@@ -5,17 +5,13 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import number_arrays as arrays
 from ..declared import CountOf, Declared, NameOf, Names
 from ..document import array, wholes
 from ..errors import InputError
+from ..number_arrays import Flags, Floats, Integers
 from ..parts import LARGEST, Axis, Numbers, Part, Whole, Wholes
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
-Flags = NDArray[np.bool_]
 
 GAINS = ("exploring", "mapping", "searching")
 """Gains: of entering a room, of observing its type, of looking for a target in it."""

@@ -8,18 +8,18 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .. import number_arrays as arrays
 from ..declared import CountOf, Declared, NameOf, Names, extent
 from ..document import json_numbers, matrix
 from ..errors import InputError
+from ..number_arrays import Flags, Floats
 from ..parts import LARGEST, Axis, Choice, Numbers
 
 if TYPE_CHECKING:
     import pandas as pd
 
-Floats = NDArray[np.float64]
 
 PROBLEMS = ("generalised-assignment",)
 """Problems that such data allow."""
@@ -147,7 +147,7 @@ class GeneralisedAssignmentInstance(Declared):
         return forbidden_value(self.objective)
 
     @property
-    def listed(self) -> NDArray[np.bool_]:
+    def listed(self) -> Flags:
         """Mask of the pairs that are allowed, shape (agents, jobs)."""
         return np.isfinite(self.values)
 

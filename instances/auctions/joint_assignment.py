@@ -5,13 +5,11 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..declared import CountOf, Declared, Names
 from ..errors import InputError
+from ..number_arrays import Floats
 from ..parts import Axis, Numbers
-
-Floats = NDArray[np.float64]
 
 MOST_TRIPLES = 50_000_000
 

@@ -4,11 +4,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..errors import InputError
-
-Integers = NDArray[np.int64]
+from ..number_arrays import Integers
 
 MOST_CELLS = 2500
 """Distances of all pairs are held."""

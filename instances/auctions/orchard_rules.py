@@ -5,14 +5,12 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import InputError, UsageError
 from ..generators import Draw
 from ..generators.settings import Setting
+from ..number_arrays import Integers
 from .orchard_grid import OrchardGrid
-
-Integers = NDArray[np.int64]
 
 RELOCATIONS = ("nearest", "random")
 

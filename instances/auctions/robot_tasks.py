@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .. import number_arrays as arrays
 from ..declared import Declared, NameOf, Names, extent
@@ -15,13 +15,13 @@ from ..document import json_numbers, matrix
 from ..errors import InputError
 from ..frames import columns_of, numbers_of
 from ..memory import fits, readable
+from ..number_arrays import Floats
 from ..parts import LARGEST, Axis, Choice, Count, Numbers
 from ..text import an
 
 if TYPE_CHECKING:
     import pandas as pd
 
-Floats = NDArray[np.float64]
 
 PROBLEMS = ("task-allocation", "balanced-partition")
 """Problems that such data allow; the first is the default."""

@@ -5,16 +5,13 @@ from dataclasses import dataclass, field, replace
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import number_arrays as arrays
 from ..errors import InputError
 from ..instance import digest
+from ..number_arrays import Floats, Integers as Ints
 from ..text import label
 from .gaussian import Quantities
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
 
 RISKS = ("allocated", "joint")
 TERMS = ("absolute", "norm", "square")

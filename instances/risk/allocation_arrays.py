@@ -5,16 +5,14 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import number_arrays as arrays
 from ..errors import InputError
+from ..number_arrays import Floats
 from ..printable import printable
 from ..text import an
 from .allocation import MOST_RISK, Affine, Budget, ChanceConstraints, Risk, RiskAllocationInstance
 from .gaussian import Quantities
-
-Floats = NDArray[np.float64]
 
 DECISION, QUANTITY, ROW, CONSTRAINT = "decision", "quantity", "chance constraint", "constraint"
 

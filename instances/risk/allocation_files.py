@@ -4,15 +4,13 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .. import number_arrays as arrays
 from ..document import array, fields, integer, json_number, json_numbers, kind_of, matrix, real, reals, square, string, strings, wholes
 from ..errors import InputError
+from ..number_arrays import Floats
 from .allocation import MOST_RISK, Affine, Budget, ChanceConstraints, Cone, CostTerm, Risk, RiskAllocationInstance
 from .gaussian import Dynamics, Quantities
-
-Floats = NDArray[np.float64]
 
 KEYS = (
     "name", "problem", "problems", "sense", "decisions", "lower", "upper", "quantities", "dynamics", "cost", "constraints", "cones",

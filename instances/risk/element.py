@@ -10,13 +10,10 @@ from dataclasses import fields
 from typing import Any, ClassVar, Protocol
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..errors import InputError
-from ..number_arrays import reals
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
+from ..number_arrays import Floats, Integers as Indices, reals
 
 
 class Space(Protocol):

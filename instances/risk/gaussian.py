@@ -4,12 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .. import number_arrays as arrays
 from ..errors import InputError
-
-Floats = NDArray[np.float64]
+from ..number_arrays import Floats
 
 SEMIDEFINITE = 1e-9
 """Part of its largest eigenvalue by which the least one of a covariance may lie below 0, as rounding makes it."""

@@ -6,10 +6,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..errors import InputError
-from ..number_arrays import reals
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+from ..number_arrays import Flags, Floats, reals
 
 
 def boxes_of(obstacles: ArrayLike) -> Floats:

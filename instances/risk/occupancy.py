@@ -9,14 +9,11 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ..errors import InputError
-from ..number_arrays import reals
+from ..number_arrays import Flags, Floats, Integers as Indices, reals
 from .obstacles import merged_boxes
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 CONNECTIVITIES = {4: (2, 1), 8: (2, 2), 6: (3, 1), 26: (3, 3)}
 """Dimensions of the map, and coordinates in which neighbours may differ, for each number of neighbours."""
@@ -51,7 +48,7 @@ class OccupancyGrid:
     at ``((column + 1/2) cell, (row + 1/2) cell)``.
     """
 
-    occupied: NDArray[np.bool_]
+    occupied: Flags
     cell: float = 1.0
 
     def __post_init__(self) -> None:

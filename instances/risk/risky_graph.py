@@ -14,6 +14,7 @@ from ..declared import Declared, NameOf, Names
 from ..document import array, json_number, json_numbers, kind_of, matrix, real, string, wholes
 from ..errors import InputError
 from ..instance import digest
+from ..number_arrays import Floats
 from ..parts import Axis, Count, Numbers, Whole, Wholes
 from ..text import shown
 from .element import RiskElement, TraverseElement
@@ -23,7 +24,6 @@ from .obstacles import boxes_of
 if TYPE_CHECKING:
     import networkx as nx
 
-Floats = NDArray[np.float64]
 Indices = NDArray[np.integer[Any]]
 
 OBJECTIVES = ("risk", "hazard", "reward-per-risk")

@@ -9,12 +9,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import InputError
+from ..number_arrays import Floats
 from .obstacles import blocked, boxes_of
 
-Floats = NDArray[np.float64]
 Point = tuple[float, float]
 Contacts = tuple[Point, ...]
 """The reel, and the corners that the tether bends around since; the last one is that from which it leads to the vehicle."""

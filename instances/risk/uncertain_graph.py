@@ -14,12 +14,12 @@ from .. import number_arrays as arrays
 from ..declared import CountOf, Declared, NameOf, Names, extent
 from ..errors import InputError
 from ..frames import columns_of, name_of, numbers_of
+from ..number_arrays import Floats as Floats
 from ..parts import Axis, Count, Numbers, Whole, Wholes
 
 if TYPE_CHECKING:
     import pandas as pd
 
-Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]
 
 COLUMNS = ("from", "to", "mean", "variance", "least")

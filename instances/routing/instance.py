@@ -9,7 +9,7 @@ import numpy as np
 
 from ..clock import Clock as Clock, moment_told
 from ..errors import InputError, UsageError
-from ..number_arrays import Flags, Longs
+from ..number_arrays import Flags, Integers
 from .sites import Group as Group, Shipment as Shipment, Sites as Sites
 from .travel import EXPLICIT, Travel
 from .vehicle_type import (
@@ -94,7 +94,7 @@ class RoutingInstance:
         return replace(self, name=f"{self.name}.{count}", sites=sites, travel=travel, fleet=fleet, forbidden=moves)
 
 
-def placed(vehicle: VehicleType, keep: Longs) -> VehicleType:
+def placed(vehicle: VehicleType, keep: Integers) -> VehicleType:
     """The vehicle type where only the sites ``keep`` are left, its depots among them."""
     position = {int(site): k for k, site in enumerate(keep)}
     energy = vehicle.energy

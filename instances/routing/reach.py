@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 
 from ..clock import moment_told
 from ..errors import InputError
-from ..number_arrays import Flags, Floats, Longs as Indices
+from ..number_arrays import Flags, Floats, Integers as Indices
 from ..text import plain
 from .instance import RoutingInstance, Sites, VehicleType
 from .travel import Travel

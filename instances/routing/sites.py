@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..errors import Code, InputError, UsageError
-from ..number_arrays import Flags, Floats, Longs
+from ..number_arrays import Flags, Floats, Integers
 from ..printable import LONGEST_LINE, printable
 
 Window = tuple[float, float]
@@ -337,12 +337,12 @@ class Sites:
         return len(self.ids)
 
     @cached_property
-    def depots(self) -> Longs:
+    def depots(self) -> Integers:
         """Indices of the depots."""
         return _fixed(np.nonzero(self.depot)[0])
 
     @cached_property
-    def customers(self) -> Longs:
+    def customers(self) -> Integers:
         """Indices of all sites that are no depots."""
         return _fixed(np.nonzero(~self.depot)[0])
 
@@ -429,6 +429,6 @@ def _widened(values: Floats, dimensions: int) -> Floats:
     return np.hstack([values, np.zeros((len(values), dimensions - values.shape[1]))])
 
 
-def _fixed(indices: Longs) -> Longs:
+def _fixed(indices: Integers) -> Integers:
     indices.setflags(write=False)
     return indices

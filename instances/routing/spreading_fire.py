@@ -9,7 +9,7 @@ import numpy as np
 
 from ..errors import InputError
 from ..generators import Draw
-from ..number_arrays import Flags as Flags, Floats as Floats, Longs as Longs
+from ..number_arrays import Flags as Flags, Floats as Floats, Integers as Integers
 
 if TYPE_CHECKING:
     from scipy import sparse
@@ -49,7 +49,7 @@ class Fire:
 
 
 @lru_cache(maxsize=8)
-def grid_moves(rows: int, columns: int, offsets: tuple[tuple[int, int], ...]) -> tuple[Longs, Longs, Floats]:
+def grid_moves(rows: int, columns: int, offsets: tuple[tuple[int, int], ...]) -> tuple[Integers, Integers, Floats]:
     """Moves between cells, numbered row by row: tails in ascending order, heads, and the displacement (columns, rows) of each."""
     row, column = np.divmod(np.arange(rows * columns), columns)
     steps = np.array(offsets)
@@ -58,7 +58,7 @@ def grid_moves(rows: int, columns: int, offsets: tuple[tuple[int, int], ...]) ->
     return tail, to_row[tail, which] * columns + to_column[tail, which], steps[which].astype(np.float64)
 
 
-def move_graph(rows: int, columns: int, tail: Longs, head: Longs, weights: Floats) -> "sparse.csr_matrix":
+def move_graph(rows: int, columns: int, tail: Integers, head: Integers, weights: Floats) -> "sparse.csr_matrix":
     """The moves of ``grid_moves`` with their weights, as ``scipy.sparse.csgraph`` takes them."""
     from scipy import sparse
 

@@ -12,9 +12,9 @@ from ..declared import CountOf, Declared, Names
 from ..document import array, fields, integer, json_numbers, kind_of, reals, string, strings, wholes
 from ..errors import InputError
 from ..instance import digest
+from ..number_arrays import Floats
 from ..parts import Axis
 
-Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]
 
 MATRIX_KEYS = ("rows", "row", "variable", "value")

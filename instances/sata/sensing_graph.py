@@ -15,12 +15,12 @@ from .. import number_arrays as arrays
 from ..declared import CountOf, Declared, NameOf, Names, extent
 from ..document import fields, json_numbers, reals, wholes
 from ..errors import InputError, UsageError
+from ..number_arrays import Floats
 from ..parts import Axis, Count, Wholes
 
 if TYPE_CHECKING:
     import pandas as pd
 
-Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]
 
 PROBLEMS = ("bottleneck", "bottleneck-lp", "winner-takes-all", "selection")

@@ -15,16 +15,13 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..errors import Code, InputError, UsageError
-from ..number_arrays import row_starts
+from ..number_arrays import Flags, Floats, Integers as Codes, row_starts
 
 if TYPE_CHECKING:
     from .sensing_graph import SensingGraph
 
-Floats = NDArray[np.float64]
-Codes = NDArray[np.int64]
 
 COLUMNS = ("robot", "action", "target", "weight")
 
@@ -73,7 +70,7 @@ def edges_of_rows(
     has_robot, has_action, has_target = (column.codes >= 0 for column in (robot, action, target))
     edge = has_robot & has_action & has_target
 
-    def refuse(bad: NDArray[np.bool_], message: str, code: Code, values: Any = None) -> None:
+    def refuse(bad: Flags, message: str, code: Code, values: Any = None) -> None:
         if bad.any():
             k = int(np.argmax(bad))
             raise fault(k, message, code, None if values is None else str(values[k]))

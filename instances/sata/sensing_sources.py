@@ -7,11 +7,12 @@ from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from .. import number_arrays as arrays
 from ..errors import InputError, UsageError
 from ..frames import columns_of, name_of, numbers_of
+from ..number_arrays import Floats
 from .sensing_rows import COLUMNS, Named, edges_of_rows, rows_of_graph, unless_counted, unless_usual
 
 if TYPE_CHECKING:
@@ -19,7 +20,6 @@ if TYPE_CHECKING:
 
     from .sensing_graph import SensingGraph
 
-Floats = NDArray[np.float64]
 
 WEIGHTS = ("binary", "inverse-distance")
 KINDS = ("robot", "action", "target")

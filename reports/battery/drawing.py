@@ -7,12 +7,11 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...formulations.problem import Problem
+from ...instances.number_arrays import Floats as Floats
 
 Generator = np.random.Generator
-Floats = NDArray[np.float64]
 Draw = Callable[[Generator], Problem]
 
 TINY, HUGE = 2.0**-20, 2.0**30

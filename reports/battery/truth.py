@@ -13,7 +13,6 @@ from statistics import NormalDist
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...formulations.arrays.problem import ArrayProblem
 from ...formulations.problem import Problem
@@ -23,13 +22,12 @@ from ...formulations.routing.problem import RoutingProblem
 from ...formulations.sata.bottleneck_sata import BottleneckSATA
 from ...formulations.sata.max_min_lp import MaxMinLP
 from ...formulations.sata.submodular_selection import SubmodularSelection
+from ...instances.number_arrays import Floats
 from ...instances.risk.elements import LocaleRisk, MoveRisk
 from ...instances.routing.instance import VehicleType
 from ...instances.sata.constraints import Cardinality, Knapsack, PartitionMatroid
 from .auction_truth import AUCTIONS, fractions
 from .rational_simplex import ONE, ZERO, Region, Vector, minimised
-
-Floats = NDArray[np.float64]
 
 BOX = 4
 """Values tried of a whole variable without a bound, where a program is unbounded if it has a point at all."""

@@ -18,7 +18,7 @@ import numpy as np
 
 from waybound import RoutingProblem, read
 from waybound.formulations.stop import Stop
-from waybound.instances.number_arrays import Flags, Floats, Longs
+from waybound.instances.number_arrays import Flags, Floats, Integers
 from waybound.solvers.bounds.routing.column_generation import FOUND, ColumnGeneration, Part
 from waybound.solvers.bounds.routing.pricing import Pricer
 from waybound.solvers.bounds.routing.route_levels import EXACT
@@ -40,7 +40,7 @@ SECONDS = 600.0
 class Searches:
     """Searches: ``costs``, reduced costs of moves in whole numbers, shape (searches, nodes, nodes), and all that searches take."""
 
-    costs: Longs
+    costs: Integers
     usable: Flags
     near: Flags
     pricer: Pricer

@@ -7,11 +7,11 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...formulations.problem import Problem
 from ...formulations.rendering import number, percent
 from ...formulations.solution import Solution
+from ...instances.number_arrays import Floats as Floats
 from ...instances.printable import printable
 from . import PLOTS, Plot
 
@@ -25,8 +25,6 @@ SHOWN_TEXT = 120
 
 LABELLED_BARS = 60
 """Bars up to which each is named."""
-
-Floats = NDArray[np.float64]
 
 
 def new_axes() -> Any:

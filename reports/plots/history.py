@@ -5,18 +5,17 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...formulations.rendering import number
 from ...formulations.solution import Solution
 from ...instances.errors import UsageError
+from ...instances.number_arrays import Floats
 from .drawing import ALARM, COLOURS, chart_axes, entitle, figures_of, legend_below, literal, new_axes, rounded
 
 if TYPE_CHECKING:
     from ...formulations.search_history import Event
     from ..comparison import Comparison
 
-Floats = NDArray[np.float64]
 History: TypeAlias = "Solution | Comparison | Sequence[Solution] | Mapping[str, Solution]"
 
 SPREAD, FAR = 3.0, 0.3

@@ -1,12 +1,9 @@
 """Positions in the plane whose distances come close to given ones."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...instances.errors import UsageError
-
-Floats = NDArray[np.float64]
-
+from ...instances.number_arrays import Floats
 
 SCALED_SITES = 3000
 """Largest number of sites that are placed by scaling their distances (cubic time, square memory)."""

@@ -13,16 +13,14 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...formulations.programs.export import write_program
 from ...formulations.programs.program import Program
 from ...instances.errors import MissingPackageError, UsageError
+from ...instances.number_arrays import Floats
 from ..backend import Control, Options, RawResult
 from ..children import child
 from ..own_options import own_options
-
-Floats = NDArray[np.float64]
 
 GRACE = 0.8
 """Seconds CBC has to write its incumbent once the user wants the end; less than any process of ours has that waits for it."""

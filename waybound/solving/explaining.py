@@ -13,7 +13,6 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ..formulations.evidence import Evidence, Reason
 from ..formulations.forms import FORMS
@@ -27,6 +26,7 @@ from ..formulations.solution import Solution
 from ..formulations.verified_bounds import proved_bound
 from ..heuristics.heuristic import HEURISTICS
 from ..instances.errors import InputError, MissingPackageError, UnsupportedError, UsageError, WayboundError
+from ..instances.number_arrays import Flags, Integers
 from ..solvers.backend import BACKENDS, Control, Options, RawResult
 from ..solvers.program_backend import ProgramBackend
 from .bounding import find_bounds
@@ -36,7 +36,6 @@ from .solve import solve
 
 FILTER_SOLVER = "highs"
 
-Flags = NDArray[np.bool_]
 
 VERDICTS = {
     "infeasible": ("there is no solution", "bad"),
@@ -399,7 +398,7 @@ def deletion_filter(program: Program, test: Callable[[Flags], bool | None], stop
     starts = np.cumsum([0, *(block.size for block in program.rows)])
     decided = True
 
-    def drop(rows: NDArray[np.int64]) -> bool:
+    def drop(rows: Integers) -> bool:
         nonlocal decided
         trial = keep.copy()
         trial[rows] = False

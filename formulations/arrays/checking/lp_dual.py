@@ -17,14 +17,11 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...checking.evidence_numbers import numbers
 from ...checking.granularity import grain, lift
 from ...checking.row_duals import least_value
 from ...evidence import checker
-
-Floats = NDArray[np.float64]
 
 _EPS = float(np.finfo(np.float64).eps)
 _VANISHING = 1e-250

@@ -16,10 +16,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....instances.errors import InputError
+from ....instances.number_arrays import Floats
 from ...evidence import checker
 from .job_prices import LARGEST, is_finite
-
-Floats = NDArray[np.float64]
 
 BLOCK = 1 << 17
 """Pairs that are looked at together: few enough to stay in a processor's cache."""

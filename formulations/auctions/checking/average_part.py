@@ -14,13 +14,11 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ....instances.number_arrays import Floats
 from ...checking.granularity import grain
 from ...evidence import checker
 from .task_allocation import smallest_forest
-
-Floats = NDArray[np.float64]
 
 _EPS = float(np.finfo(np.float64).eps)
 

@@ -16,14 +16,12 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....instances.errors import InputError
+from ....instances.number_arrays import Floats, Integers
 from ...checking.granularity import grain, lift
 from ...evidence import checker
 from ...tolerance import room
-
-Floats = NDArray[np.float64]
 
 MOST_STEPS = 2e8
 """Jobs x capacity of all agents up to which knapsacks are solved exactly: a second."""
@@ -64,7 +62,7 @@ def check_job_prices(problem: Any, data: Mapping[str, Any]) -> float:
     return lift(bound, problem.sense, grain(values)) if math.isfinite(bound) else -sign * math.inf
 
 
-def _whole(used: Floats, most: float) -> tuple[NDArray[np.int64] | None, float]:
+def _whole(used: Floats, most: float) -> tuple[Integers | None, float]:
     """Consumption and useful capacity, counted in the largest power of two that divides all consumption; None for too many steps."""
     mantissa, exponent = np.frexp(used[used > 0.0])
     digits = np.ldexp(mantissa, 53).astype(np.int64)
@@ -75,7 +73,7 @@ def _whole(used: Floats, most: float) -> tuple[NDArray[np.int64] | None, float]:
     return (counts.astype(np.int64), size) if size * max(len(used), 10) <= MOST_STEPS and counts.sum() < _WHOLE else (None, 0.0)
 
 
-def _knapsack(gain: Floats, used: NDArray[np.int64], most: int) -> float:
+def _knapsack(gain: Floats, used: Integers, most: int) -> float:
     """The most gain of jobs that together take at most ``most``, in whole numbers."""
     best = np.zeros(most + 1)
     for each, part in zip(gain.tolist(), used.tolist(), strict=True):

@@ -3,9 +3,9 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....instances.errors import InputError
+from ....instances.number_arrays import Floats
 from ...evidence import Evidence
 from ...forms import FORMS, Form
 from ...programs.compiled import Compiled
@@ -13,8 +13,6 @@ from ...programs.program import Program, Variables
 from ...programs.rows import rows
 from ...programs.size import ProgramSize
 from ..generalised_assignment import AgentOfJob, GeneralisedAssignment
-
-Floats = NDArray[np.float64]
 
 
 def build(problem: GeneralisedAssignment) -> Compiled:

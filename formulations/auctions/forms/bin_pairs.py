@@ -3,9 +3,9 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....instances.errors import InputError
+from ....instances.number_arrays import Flags, Floats
 from ...evidence import Evidence
 from ...forms import FORMS, Form
 from ...programs.compiled import Compiled
@@ -13,8 +13,6 @@ from ...programs.program import Program, Rows, Variables
 from ...programs.rows import rows
 from ...programs.size import ProgramSize
 from ..bin_assignment import Assignment, BinAssignment
-
-Floats = NDArray[np.float64]
 
 
 def pairs_size(problem: BinAssignment) -> ProgramSize:
@@ -58,7 +56,7 @@ def decoded(problem: BinAssignment, vector: Floats) -> Assignment:
 
 def encoded(problem: BinAssignment, answer: Any) -> Floats:
     """The binaries of an answer."""
-    chosen: NDArray[np.bool_] = np.array(answer)[problem.robots] == problem.bins
+    chosen: Flags = np.array(answer)[problem.robots] == problem.bins
     if int(chosen.sum()) != sum(j >= 0 for j in answer):
         raise InputError("the assignment has a pair that is not allowed", "unsupported")
     return np.asarray(chosen, dtype=np.float64)

@@ -4,17 +4,15 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....instances.errors import InputError
+from ....instances.number_arrays import Floats
 from ...forms import FORMS, Form
 from ...programs.compiled import Compiled
 from ...programs.program import Program, Variables
 from ...programs.rows import rows
 from ...programs.size import ProgramSize
 from ..balanced_partition import OBJECTIVES, BalancedPartition, Parts
-
-Floats = NDArray[np.float64]
 
 
 def build(problem: BalancedPartition) -> Compiled:

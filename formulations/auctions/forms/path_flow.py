@@ -4,18 +4,15 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....instances.errors import InputError
+from ....instances.number_arrays import Floats, Integers
 from ...forms import FORMS, Form
 from ...programs.compiled import Compiled
 from ...programs.program import Program, Rows, Variables
 from ...programs.rows import rows
 from ...programs.size import ProgramSize
 from ..task_allocation import OBJECTIVES, Paths, TaskAllocation
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 
 def build(problem: TaskAllocation) -> Compiled:

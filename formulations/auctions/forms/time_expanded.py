@@ -3,18 +3,15 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....instances.errors import InputError
+from ....instances.number_arrays import Floats, Integers
 from ...forms import FORMS, Form
 from ...programs.compiled import Compiled
 from ...programs.program import Program, Rows, Variables
 from ...programs.rows import rows
 from ...programs.size import ProgramSize
 from ..room_exploration import GO, MAP, SEARCH, Plans, RoomExploration
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 MOST_VARIABLES = 100_000
 DEEDS = ("go", "map", "search")

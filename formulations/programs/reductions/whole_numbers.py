@@ -18,12 +18,11 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
+from ....instances.number_arrays import Integers
 from ..exactness import Exactness
 from ..program import Floats, Program, Variables
 from .finite_bounds import FINITE_BOUNDS
 from .reduction import Irreducible, Reduction, Step
-
-Integers = NDArray[np.int64]
 
 DENOMINATORS = (*range(1, 101), 1000, 10_000, 100_000, 1_000_000)
 """Tried in this order for exact scaling."""

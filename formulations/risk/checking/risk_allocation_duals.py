@@ -17,13 +17,11 @@ from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ....instances.number_arrays import Flags, Floats
 from ...checking.evidence_numbers import numbers
 from ...checking.row_duals import least_value
 from ...evidence import checker
-
-Floats = NDArray[np.float64]
 
 TAIL_ERROR = 1e-13
 """Relative, of the tail and the density as computed here: 450 roundings, where glibc's erfc is within 2 and the exponent within 400."""
@@ -118,7 +116,7 @@ def _shortened(vector: Floats, length: float) -> Floats:
     return vector if own <= length else vector * (length / own * (1.0 - 4.0 * _EPS))
 
 
-def _program(problem: Any, single: NDArray[np.bool_]) -> Any:
+def _program(problem: Any, single: Flags) -> Any:
     """Rows and bounds of x, chance rows without margins, definitions of the rows of terms and cones: the arrays of a linear program."""
     n, defined = len(problem.linear), [(t[2], t[3]) for t in problem.terms]
     for matrix, constant, limit, most in problem.cones:

@@ -11,17 +11,14 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....instances.errors import InputError
+from ....instances.number_arrays import Floats, Integers as Indices
 from ....instances.risk.element import TraverseElement
 from ....instances.risk.risky_graph import RiskyGraph
 from ...evidence import checker
 from ...stop import current_stop
 from ..risky_path import RiskyPath
-
-Floats = NDArray[np.float64]
-Indices = NDArray[np.int64]
 
 _EPS = float(np.finfo(np.float64).eps)
 

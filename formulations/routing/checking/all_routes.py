@@ -16,7 +16,7 @@ from ....instances.routing.instance import VehicleType
 from ...stop import Stopped, current_stop
 from ..objective import PEAKS
 from ..problem import RoutingProblem
-from .known_features import EPS, Flags, Floats, Longs, departure, own_moves, routing_evidence
+from .known_features import EPS, Flags, Floats, Integers, departure, own_moves, routing_evidence
 from .no_answer import verdict
 from .route_limits import Limits, able, allowed, limits_of, summable, walk_orders
 from .vehicle_moves import Terms, terms_of
@@ -54,11 +54,11 @@ def fronts(problem: RoutingProblem, vehicle: VehicleType, limits: Limits, terms:
     of_time = terms.cost * vehicle.unit_duration_cost + terms.duration
     team = problem.team_risk
 
-    def read(total: Floats, k: int, members: Longs) -> Floats:
+    def read(total: Floats, k: int, members: Integers) -> Floats:
         """The k-th of all sums, shape (labels,)."""
         return total[:, where[k]] if where[k] >= 0 else np.full(len(total), math.fsum(fixed[-1 - where[k]][members]))
 
-    def kept(total: Floats, members: Longs) -> Flags:
+    def kept(total: Floats, members: Integers) -> Flags:
         busy = read(total, 1, members)
         fits: Flags = np.isfinite(total).all(axis=1) & (limits.ready[0] + busy <= latest)
         for rate, limit, _ in limits.spans:

@@ -20,7 +20,7 @@ from ....instances.routing.vehicle_type import VehicleType
 from ...checking.granularity import lift
 from ...stop import current_stop
 from ..problem import RoutingProblem
-from .known_features import EPS, Floats, Longs, departure, own_moves, routing_evidence, unknown_features, with_fleet, without_stops
+from .known_features import EPS, Floats, Integers, departure, own_moves, routing_evidence, unknown_features, with_fleet, without_stops
 from .relaxation import with_depot
 from .round_trips import least_peak
 from .vehicle_moves import Terms, VehicleMoves, alike, constants, terms_of, value_grain
@@ -53,8 +53,8 @@ class CustomerSets:
     are wrong by ``error`` at most, one peak by ``blur``.
     """
 
-    types: list[tuple[Longs, Floats, Floats, int]]
-    ends: Longs
+    types: list[tuple[Integers, Floats, Floats, int]]
+    ends: Integers
     fewest: int
     fixed: float
     weight: float
@@ -148,7 +148,7 @@ class CustomerSets:
         return total - self.error - 4.0 * EPS * (abs(total) + abs(self.fixed)) if math.isfinite(total) else total
 
 
-def _values(alone: RoutingProblem, terms: Terms, peak: str, before: Longs) -> tuple[Floats, Floats]:
+def _values(alone: RoutingProblem, terms: Terms, peak: str, before: Integers) -> tuple[Floats, Floats]:
     """Value, and length or duration, of the routes of a fleet of one through each set, and the sizes of what they are added up from."""
     from .customer_set_kernels import set_values
 
@@ -192,7 +192,7 @@ def _of_trips(problem: RoutingProblem, vehicle: VehicleType, terms: Terms, peak:
     free, sizes, energy = replace(terms, vehicles=0.0), np.zeros(2), vehicle.energy
     if energy and energy.charge == "elapsed-fixed-start":  # later trips begin later, where the store has lost nothing more
         energy = replace(energy, charge="elapsed")
-    table: dict[tuple[int, int], tuple[Longs, Floats]] = {}
+    table: dict[tuple[int, int], tuple[Integers, Floats]] = {}
     for a in depots:
         for b in stops | {vehicle.end}:
             trip = replace(vehicle, count=1, start=a, end=b, reloads=(), max_reloads=None, fixed_cost=0.0, energy=energy)

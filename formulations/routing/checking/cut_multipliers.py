@@ -14,7 +14,7 @@ from ....instances.errors import InputError
 from ...checking.evidence_numbers import number, numbers
 from ...checking.granularity import lift
 from ..problem import RoutingProblem
-from .known_features import EPS, RESOURCES, Flags, Floats, Longs, refuse_unknown_resources, routing_evidence
+from .known_features import EPS, RESOURCES, Flags, Floats, Integers, refuse_unknown_resources, routing_evidence
 from .vehicle_moves import Terms, VehicleMoves, alike, constants, needed_routes, relaxed_terms, value_grain, worth_of_visits
 
 
@@ -44,7 +44,7 @@ def check_cut_multipliers(problem: RoutingProblem, data: Mapping[str, Any]) -> f
     return lift(bound, "min", value_grain(problem, terms)) if bound > -math.inf else -math.inf
 
 
-def _cuts(problem: RoutingProblem, cuts: object) -> tuple[Flags, Longs, Floats]:
+def _cuts(problem: RoutingProblem, cuts: object) -> tuple[Flags, Integers, Floats]:
     """Which customers each set holds, shape (cuts, customers), whose visit is its right side (-1: nobody's), and its price."""
     if not isinstance(cuts, list) or not all(isinstance(cut, Mapping) for cut in cuts):
         raise InputError("evidence 'cuts' must be a list of objects", found=str(cuts)[:80])
@@ -63,7 +63,7 @@ def _cuts(problem: RoutingProblem, cuts: object) -> tuple[Flags, Longs, Floats]:
 
 
 def _bound(
-    problem: RoutingProblem, terms: Terms, out: Floats, into: Floats, rates: dict[str, float], inside: Flags, of: Longs,
+    problem: RoutingProblem, terms: Terms, out: Floats, into: Floats, rates: dict[str, float], inside: Flags, of: Integers,
     prices: Floats,
 ) -> float:  # fmt: skip
     n = len(out)

@@ -19,7 +19,7 @@ from ...checking.evidence_numbers import number, numbers
 from ...checking.granularity import lift
 from ...stop import current_stop
 from ..problem import RoutingProblem
-from .known_features import Flags, Floats, Longs, routing_evidence
+from .known_features import Flags, Floats, Integers, routing_evidence
 from .set_partitioning_duals import CUSTOMERS, Merged, customers_of, entering, entries, given_rows, merged_walks, signed
 from .walk_networks import BITS, DONE, FAR
 from .walks import Walks
@@ -131,7 +131,7 @@ class Choice:
         return self.goal - constant - min((self.fewest - 1) * least, (self.most - 1) * least)
 
 
-def listed_routes(walks: Walks, limit: int) -> tuple[Flags, Longs] | None:
+def listed_routes(walks: Walks, limit: int) -> tuple[Flags, Integers] | None:
     """All sets of customers with a route of reduced cost below ``limit``, shape (customers, sets), and the least that its moves cost; None
     where they are too many."""
     from .cheap_route_kernels import cheap_routes
@@ -158,7 +158,7 @@ def listed_routes(walks: Walks, limit: int) -> tuple[Flags, Longs] | None:
     return (sets[:number, customers // BITS] >> (customers % BITS) & 1).T.astype(bool), least[:number].copy()
 
 
-def _bits(members: Sequence[Longs], nodes: int) -> Longs:
+def _bits(members: Sequence[Integers], nodes: int) -> Integers:
     """The sets that each node belongs to, as bits; shape (nodes, words)."""
     bits = np.zeros((nodes, -(-len(members) // BITS)), np.int64)
     for k, nodes_of in enumerate(members):
@@ -166,7 +166,7 @@ def _bits(members: Sequence[Longs], nodes: int) -> Longs:
     return bits
 
 
-def _over_cases(cases: "Sequence[_Case]", some: Choice, above: int, exponent: int, sets: Flags, cost: Longs) -> int:
+def _over_cases(cases: "Sequence[_Case]", some: Choice, above: int, exponent: int, sets: Flags, cost: Integers) -> int:
     """The worst, over the leaves of a tree, of the best bound at each or above it, or the goal where no route is left; the least at any
     node is ``above``."""
     waiting, found, work = [(np.arange(len(cost)), above)], some.goal, WORK
@@ -198,8 +198,8 @@ class _Case:
     the customers of each, and the pair that is branched on. Customers are positions."""
 
     visits: Floats
-    rows: Sequence[tuple[float, Longs, int, Longs]]
-    loads: Sequence[tuple[float, int, Longs]]
+    rows: Sequence[tuple[float, Integers, int, Integers]]
+    loads: Sequence[tuple[float, int, Integers]]
     pair: tuple[int, int] | None
     priced: bool
 
@@ -213,7 +213,7 @@ class _Case:
     def members(self) -> int:
         return 1 + len(self.visits) // 8 + sum(len(row[3]) for row in self.rows) + sum(len(load[2]) for load in self.loads)
 
-    def reduced(self, sets: Flags, cost: Longs, at: Longs, exponent: int) -> tuple[int, Longs]:
+    def reduced(self, sets: Flags, cost: Integers, at: Integers, exponent: int) -> tuple[int, Integers]:
         """The sum of all prices, and reduced costs of some routes, by their positions: prices are rounded, for any are valid."""
 
         def whole(price: float) -> int:
@@ -261,7 +261,7 @@ def _cases(problem: RoutingProblem, nodes: Sequence[Mapping[str, Any]]) -> list[
     return read
 
 
-def _row(row: Mapping[str, Any], index: list[int]) -> tuple[float, Longs, int, Longs]:
+def _row(row: Mapping[str, Any], index: list[int]) -> tuple[float, Integers, int, Integers]:
     sites = customers_of(row["sites"], index, "the sites of a row")
     weights, parts = row.get("weights", [1] * len(sites)), row.get("parts", 2)
     right = isinstance(weights, list) and len(weights) == len(sites) and all(type(w) is int and 1 <= w < 1000 for w in weights)

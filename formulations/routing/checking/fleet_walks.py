@@ -12,7 +12,7 @@ import numpy as np
 
 from ...stop import current_stop
 from ..problem import RoutingProblem
-from .known_features import Flags, Floats, Longs, with_fleet
+from .known_features import Flags, Floats, Integers, with_fleet
 from .relaxation import Resource, carried_loads, customers_moves, fewest_carriers, merged_moves, smallest
 from .told_visits import says_more
 from .vehicle_moves import Terms, VehicleMoves, alike, worth_of_visits
@@ -28,7 +28,7 @@ class Rows(NamedTuple):
     """
 
     visits: Floats
-    loads: Sequence[tuple[Longs, float]]
+    loads: Sequence[tuple[Integers, float]]
     subsets: Sequence[Row]
     memory: int | Ints
     moves: Sequence[tuple[Flags, float]] = ()

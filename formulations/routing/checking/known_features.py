@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from ....instances.errors import InputError
-from ....instances.number_arrays import Flags as Flags, Floats as Floats, Longs as Longs
+from ....instances.number_arrays import Flags as Flags, Floats as Floats, Integers as Integers
 from ....instances.routing.travel import EXPLICIT, Travel
 from ...evidence import checker
 
@@ -139,7 +139,7 @@ def without_stops(problem: RoutingProblem) -> RoutingProblem:
     return with_fleet(problem, fleet, travel).altered(forbidden=None, needed=())  # these are moves without a stop between
 
 
-def _over(matrix: Floats, stops: Longs) -> Floats:
+def _over(matrix: Floats, stops: Integers) -> Floats:
     """Shortest ways over any of the stops (Floyd 1962)."""
     length = matrix.copy()
     for k in stops.tolist():

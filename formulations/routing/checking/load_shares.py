@@ -16,7 +16,7 @@ from ....instances.routing.instance import VehicleType
 from ....instances.routing.travel import EARTH, GEOGRAPHIC, UNITS_OF_DISTANCE, Travel
 from ...stop import off_the_clock
 from ..problem import RoutingProblem
-from .known_features import EPS, Floats, Longs, departure, earliest_levels, own_moves, routing_evidence
+from .known_features import EPS, Floats, Integers, departure, earliest_levels, own_moves, routing_evidence
 from .route_limits import allowed
 from .vehicle_moves import Terms, needed_routes, relaxed_terms, worth_of_visits
 
@@ -97,7 +97,7 @@ def _second(inner: Floats) -> Floats:
     return second
 
 
-def _two_nearest(travel: Travel, at: Longs) -> tuple[Floats, Floats]:
+def _two_nearest(travel: Travel, at: Integers) -> tuple[Floats, Floats]:
     """Distances from each customer to the nearest and the second nearest of the others, infinite where there is none."""
     with off_the_clock():  # half a second, once a process
         from scipy.spatial import cKDTree

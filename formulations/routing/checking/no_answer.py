@@ -23,7 +23,7 @@ import numpy as np
 
 from ....instances.errors import InputError
 from ...checking.evidence_numbers import number
-from .known_features import Flags, Longs, least_moves, routing_evidence, unknown_features, without_stops
+from .known_features import Flags, Integers, least_moves, routing_evidence, unknown_features, without_stops
 from .round_trips import least_peak
 from .route_limits import Limits, able, allowed, clocks, limits_of, named_customers, servable_sets, summable, within_reach, within_stores
 from .vehicle_moves import terms_of
@@ -242,7 +242,7 @@ def check_sites_beyond_fleet(problem: RoutingProblem, data: Mapping[str, Any]) -
     return verdict(proved=not _can_cover(sets, list(types.values()), required, least))
 
 
-def _spread(limits: Limits, named: Longs, near: Flags) -> list[int]:
+def _spread(limits: Limits, named: Integers, near: Flags) -> list[int]:
     """Sets of the sites ``named`` that one route can serve, as masks over their positions."""
     place = np.nonzero(near[named - 1])[0].tolist()
     through = np.setdiff1d(np.nonzero(near)[0] + 1, named)

@@ -7,14 +7,14 @@ import numpy as np
 
 from ...stop import current_stop
 from ..problem import RoutingProblem
-from .known_features import Flags, Floats, Longs
+from .known_features import Flags, Floats, Integers
 from .route_limits import Limits, limits_of, summable
 
 MOST = 8
 """Larger sets are not looked at: all subsets are gone through."""
 
 
-def beyond_one_route(problem: RoutingProblem, groups: Sequence[Longs]) -> Flags:
+def beyond_one_route(problem: RoutingProblem, groups: Sequence[Integers]) -> Flags:
     """Whether no vehicle serves all customers of each group, given as nodes from 1 on, within their windows, by any ways over others.
 
     False where that is not known: for groups of one, or of more than ``MOST``, and where vehicles stop on the way.
@@ -36,7 +36,7 @@ def beyond_one_route(problem: RoutingProblem, groups: Sequence[Longs]) -> Flags:
     return beyond
 
 
-def _in_time(limits: Limits, ways: Floats, group: Longs) -> bool:
+def _in_time(limits: Limits, ways: Floats, group: Integers) -> bool:
     """Whether some order of a group keeps its windows and comes back in time."""
     size = len(group)
     ready, due = limits.ready[group], np.array([limits.latest(d) for d in limits.due[group].tolist()])

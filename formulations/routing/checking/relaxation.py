@@ -18,7 +18,18 @@ import numpy as np
 
 from ...checking.granularity import Grain, grain, is_decimal
 from ...tolerance import widening
-from .known_features import EPS, Flags, Floats, Longs, departure, earliest_levels, last_return, least_moves, unknown_features, without_stops
+from .known_features import (
+    EPS,
+    Flags,
+    Floats,
+    Integers,
+    departure,
+    earliest_levels,
+    last_return,
+    least_moves,
+    unknown_features,
+    without_stops,
+)
 
 if TYPE_CHECKING:
     from ....instances.routing.instance import VehicleType
@@ -58,7 +69,7 @@ class Relaxation:
     only be the first and the last of their route.
     """
 
-    customers: Longs
+    customers: Integers
     cost: Floats
     fewest: int
     most: int
@@ -147,7 +158,7 @@ def smallest(sets: Sequence[Flags]) -> list[Flags]:
     return minimal
 
 
-def fewest_carriers(problem: RoutingProblem, groups: Sequence[Longs]) -> list[int]:
+def fewest_carriers(problem: RoutingProblem, groups: Sequence[Integers]) -> list[int]:
     """Least number of routes that visit all customers of each group, given as nodes from 1 on: what they bring, and what they collect,
     fits into as many vehicles. Where even all vehicles are too small, one more than there are."""
     problem = without_stops(problem)

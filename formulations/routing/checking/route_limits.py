@@ -18,7 +18,7 @@ import numpy as np
 
 from ....instances.errors import InputError
 from ...tolerance import widening
-from .known_features import Flags, Floats, Longs, departure, earliest_levels, last_return, own_moves, own_variances, unknown_features
+from .known_features import Flags, Floats, Integers, departure, earliest_levels, last_return, own_moves, own_variances, unknown_features
 
 if TYPE_CHECKING:
     from ....instances.routing.instance import VehicleType
@@ -121,7 +121,7 @@ def limits_of(problem: RoutingProblem, vehicle: VehicleType) -> Limits:
 
 
 def _chances(
-    problem: RoutingProblem, vehicle: VehicleType, at: Longs, moves: tuple[Floats, Floats], rounding: float
+    problem: RoutingProblem, vehicle: VehicleType, at: Integers, moves: tuple[Floats, Floats], rounding: float
 ) -> list[tuple[Floats, Floats, float, float]]:
     """Limits on uncertain durations of ``moves``, without and with service. A risk of the team is one of each route, which forbids less."""
     risks = [risk for risk in (vehicle.risk, problem.team_risk) if risk is not None]
@@ -195,7 +195,7 @@ def clocks(limits: Limits) -> tuple[Floats, Floats]:
     return reached, earliest_levels(busy[inner, -1], busy[inner, inner].T)
 
 
-def servable_sets(limits: Limits, named: Longs, through: Longs, most: int) -> set[int]:
+def servable_sets(limits: Limits, named: Integers, through: Integers, most: int) -> set[int]:
     """Subsets of the customers ``named``, as bit masks, that may be all of them on one route; it may visit those ``through`` besides.
 
     The time taken grows as the factorial of ``most``, the largest size of a set.
@@ -206,7 +206,7 @@ def servable_sets(limits: Limits, named: Longs, through: Longs, most: int) -> se
 
 
 def walk_orders(
-    limits: Limits, named: Longs, through: Longs, most: int, ended: Callable[..., None], counted: Sequence[Floats] = ()
+    limits: Limits, named: Integers, through: Integers, most: int, ended: Callable[..., None], counted: Sequence[Floats] = ()
 ) -> None:
     """Call ``ended`` with each order of at most ``most`` of the customers ``named`` that keeps to the limits.
 
@@ -250,7 +250,7 @@ def walk_orders(
     extend(0, 0, 0, opening, 0.0, due[0], 0.0, [0.0] * len(budgets), [0.0] * len(tallies))
 
 
-def _ways(weight: Floats, nodes: Longs, through: Longs) -> Floats:
+def _ways(weight: Floats, nodes: Integers, through: Integers) -> Floats:
     """Weights of the shortest ways between ``nodes`` over nodes of ``through``, shape (nodes, nodes)."""
     lengths = weight[np.ix_(nodes, nodes)].copy()
     if len(through):
@@ -261,7 +261,7 @@ def _ways(weight: Floats, nodes: Longs, through: Longs) -> Floats:
 
 
 def named_customers(problem: RoutingProblem, names: object) -> list[int]:
-    """Longs of the customers that evidence names; raises InputError if ``names`` is no list of different ids of customers."""
+    """Integers of the customers that evidence names; raises InputError if ``names`` is no list of different ids of customers."""
     index = problem.sites.index()
     if not isinstance(names, Sequence) or isinstance(names, str) or not names or not all(isinstance(x, str) and x in index for x in names):
         raise InputError("evidence names unknown sites", "unknown-name", expected="a list of ids of sites", found=str(names)[:80])

@@ -22,7 +22,7 @@ from ...stop import current_stop
 from ..problem import RoutingProblem
 from ..statements import moves_of
 from .fleet_walks import FleetMoves, Rows, limiting, remembered
-from .known_features import EPS, Flags, Floats, Longs, routing_evidence, without_stops
+from .known_features import EPS, Flags, Floats, Integers, routing_evidence, without_stops
 from .one_route import beyond_one_route
 from .relaxation import Relaxation, customers_moves, fewest_carriers, merged_moves, needed_moves, relax
 from .told_visits import told_visits
@@ -157,7 +157,7 @@ def merged_walks(problem: RoutingProblem, prices: Floats, given: "Given", *, ray
     return Merged(walks, relaxed)
 
 
-def entering(problem: RoutingProblem, loads: Sequence[tuple[Longs, float]]) -> list[int]:
+def entering(problem: RoutingProblem, loads: Sequence[tuple[Integers, float]]) -> list[int]:
     """The fewest routes that visit all of each set of customers, given with its price, because of loads or of windows."""
     groups = [sites for sites, _ in loads]
     carriers = fewest_carriers(problem, groups)
@@ -208,7 +208,7 @@ class Given(NamedTuple):
 
     memory: int | NDArray[np.int32]
     rows: list[Row]
-    loads: list[tuple[Longs, float]]
+    loads: list[tuple[Integers, float]]
     moves: list[tuple[Flags, float]]
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from ...checking.evidence_numbers import number, numbers
 from ...checking.granularity import lift
 from ..problem import RoutingProblem
-from .known_features import Floats, Longs, routing_evidence
+from .known_features import Floats, Integers, routing_evidence
 from .relaxation import Relaxation, relax
 
 
@@ -56,7 +56,7 @@ def _bound(relaxed: Relaxation, prices: Floats, theta: float) -> float:
     return math.fsum([tree, rest, -2.0 * math.fsum(prices), -error])
 
 
-def _smallest_tree(tails: Longs, heads: Longs, weights: Floats, nodes: int) -> float:
+def _smallest_tree(tails: Integers, heads: Integers, weights: Floats, nodes: int) -> float:
     """Weight of a minimum spanning tree; infinite if the edges do not join all nodes."""
     import scipy.sparse as sp
     from scipy.sparse.csgraph import minimum_spanning_tree

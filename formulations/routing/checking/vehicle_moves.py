@@ -10,7 +10,7 @@ import numpy as np
 
 from ...checking.granularity import Grain, grain
 from ..objective import PEAKS
-from .known_features import EPS, Flags, Floats, Longs, own_moves, unknown_features, with_fleet, without_stops
+from .known_features import EPS, Flags, Floats, Integers, own_moves, unknown_features, with_fleet, without_stops
 from .relaxation import Resource, limited_resources, moves_left, narrowed, order_resource, with_depot
 from .round_trips import least_peak
 from .route_limits import allowed
@@ -90,14 +90,14 @@ def worth_of_visits(problem: RoutingProblem, prices: Floats, surely: Flags | Non
     return worth
 
 
-def needed_routes(problem: RoutingProblem, members: Flags) -> Longs:
+def needed_routes(problem: RoutingProblem, members: Flags) -> Integers:
     """Least number of routes for the required customers among ``members``, of shape (..., customers): as many as their loads take."""
     sites, customers = problem.sites, problem.sites.customers
     required = sites.required[customers]
     loads = members @ np.where(required, sites.demand[customers], 0.0) * (1.0 - 4.0 * (len(customers) + 2) * EPS)
     largest = max(allowed(v.capacity) for v in problem.fleet)
     by_load = np.ceil(loads / largest) if 0.0 < largest < math.inf else np.zeros(loads.shape)
-    routes: Longs = np.maximum((members & required).any(axis=-1), by_load).astype(np.int64)
+    routes: Integers = np.maximum((members & required).any(axis=-1), by_load).astype(np.int64)
     return routes
 
 

@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from .known_features import Flags, Floats, Longs
+from .known_features import Flags, Floats, Integers
 from .relaxation import Resource, order_resource
 
 Ints = NDArray[np.int32]
@@ -48,28 +48,28 @@ class Network(NamedTuple):
     a visit turns over, and ``prices`` what a row costs that is turned back.
     """
 
-    first: Longs
-    moves: Longs
-    start: Longs
-    lower: Longs
-    upper: Longs
-    above: Longs
-    grid: Longs
+    first: Integers
+    moves: Integers
+    start: Integers
+    lower: Integers
+    upper: Integers
+    above: Integers
+    grid: Integers
     listed: Ints
     place: Ints
-    reach: Longs
+    reach: Integers
     rows_at: Ints
     row_place: Ints
-    turned: Longs
-    prices: Longs
+    turned: Integers
+    prices: Integers
 
 
 @dataclass(frozen=True, eq=False)
 class Row:
     """A subset row of multiplier 1/2: its customers, the nodes at which it is remembered, and its price, at most 0."""
 
-    sites: Longs
-    memory: Longs
+    sites: Integers
+    memory: Integers
     price: float
 
     @property
@@ -83,11 +83,11 @@ class Levels:
     """Whole levels, the one that cells are made of first, each never below the one that ``above`` names, -1 for none; the visits of a walk
     that keeps them are at most ``most``."""
 
-    weight: Longs
-    start: Longs
-    lower: Longs
-    upper: Longs
-    above: Longs
+    weight: Integers
+    start: Integers
+    lower: Integers
+    upper: Integers
+    above: Integers
     most: int
 
     def backwards(self) -> "Levels":
@@ -100,7 +100,7 @@ class Levels:
         )
 
 
-def network_of(reduced: Longs, usable: Flags, levels: Levels, listed: Ints, rows: Sequence[tuple[Row, int]]) -> Network:
+def network_of(reduced: Integers, usable: Flags, levels: Levels, listed: Ints, rows: Sequence[tuple[Row, int]]) -> Network:
     """The network of whole reduced costs, shape (nodes, nodes); of rows with what each costs, in whole numbers too.
 
     ``listed``, shape (nodes, positions), are those who are remembered at each node, without himself, -1 behind. No move is needed.
@@ -119,7 +119,7 @@ def network_of(reduced: Longs, usable: Flags, levels: Levels, listed: Ints, rows
     )
 
 
-def with_needed(network: Network, needed: Longs) -> Network:
+def with_needed(network: Network, needed: Integers) -> Network:
     """The same network with 1 for moves that are needed."""
     moves = network.moves.copy()
     moves[:, 1] = needed
@@ -137,7 +137,7 @@ def _memory(given: Ints) -> tuple[Ints, Ints]:
     return listed, place
 
 
-def _reach(usable: Flags, levels: Levels, listed: Ints) -> Longs:
+def _reach(usable: Flags, levels: Levels, listed: Ints) -> Integers:
     reach = np.full((*listed.shape, len(levels.start)), -FAR)  # nobody is reached from himself
     at, positions = np.nonzero((listed >= 0) & (listed != np.arange(len(listed))[:, None]))
     who, inner = listed[at, positions], usable[1:, 1:]
@@ -149,7 +149,7 @@ def _reach(usable: Flags, levels: Levels, listed: Ints) -> Longs:
     return reach
 
 
-def _rows(nodes: int, rows: Sequence[tuple[Row, int]]) -> tuple[Ints, Ints, Longs, Longs]:
+def _rows(nodes: int, rows: Sequence[tuple[Row, int]]) -> tuple[Ints, Ints, Integers, Integers]:
     """``rows_at``, ``row_place``, ``turned`` and ``prices``."""
     at = np.concatenate([np.zeros(0, np.int64), *(row.memory for row, _ in rows)])
     which = np.repeat(np.arange(len(rows)), [len(row.memory) for row, _ in rows])
@@ -174,7 +174,7 @@ def whole_levels(resources: Sequence[Resource], usable: Flags, *, counted: bool)
     """
     inner = usable[1:, 1:]
 
-    def steps(level: tuple[Longs, int, Longs, Longs]) -> tuple[bool, float]:
+    def steps(level: tuple[Integers, int, Integers, Integers]) -> tuple[bool, float]:
         """Whether many moves add nothing, and how many of those that add something there is room for."""
         weight, start, _, upper = level
         added = weight[1:, 1:][inner]
@@ -214,14 +214,14 @@ def _top(resource: Resource, usable: Flags) -> float:
     return max(abs(resource.start), *(float(np.abs(v).max(initial=0.0, where=np.isfinite(v))) for v in limits))
 
 
-def _whole_level(resource: Resource, usable: Flags, exponent: int) -> tuple[Longs, int, Longs, Longs]:
+def _whole_level(resource: Resource, usable: Flags, exponent: int) -> tuple[Integers, int, Integers, Integers]:
     """Weights, start, lower and upper levels of a resource in whole multiples of a power of two; what is allowed stays so."""
     weight, lower, upper = _limits(resource, usable)
     upper = np.where(np.isfinite(upper), upper, _top(resource, usable))
     if weight.min(initial=0.0) < 0.0:
         raise OverflowError  # no level that grows
 
-    def below(values: Floats) -> Longs:
+    def below(values: Floats) -> Integers:
         return np.floor(np.ldexp(values, exponent)).astype(np.int64)
 
     return below(weight), int(below(np.array(resource.start))), below(lower), below(upper)

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...stop import Stop
-from .known_features import Flags, Floats, Longs
+from .known_features import Flags, Floats, Integers
 from .relaxation import Resource
 from .walk_networks import BITS, DONE, FAR, FULL, STOPPED, Ints, Levels, Network, Row, network_of, whole_levels, with_needed
 
@@ -34,7 +34,7 @@ _NOTHING = np.zeros((0, 0, 0), np.int64)
 class Load:
     """A rounded capacity row: its customers, the moves that enter it at least, and its price, at least 0."""
 
-    sites: Longs
+    sites: Integers
     least: int
     price: float
 
@@ -104,9 +104,9 @@ class Walks:
         self.reduced = reduced
         self._levels = {False: levels}
         self._networks: dict[bool, Network] = {}
-        self._rest: dict[tuple[bool, int | None], Longs] = {}
+        self._rest: dict[tuple[bool, int | None], Integers] = {}
 
-    def _whole(self, values: Floats | float) -> Longs:
+    def _whole(self, values: Floats | float) -> Integers:
         return np.rint(np.ldexp(values, self.exponent)).astype(np.int64)
 
     def _limit(self, claimed: float | None) -> int:
@@ -129,12 +129,12 @@ class Walks:
             found, _ = self._searched(which, limit, counted=True)
         return found
 
-    def bounded(self, limit: int) -> tuple[Network, Longs]:
+    def bounded(self, limit: int) -> tuple[Network, Integers]:
         """The network of all walks, and at most what is left to pay on those that cost less than ``limit``, as of ``completions``."""
         network, rest = self._begun(counted=False, marked=None)
         return network, self._sharpened(network, rest, limit, wanted=False, levels=self._levels[False])
 
-    def _begun(self, *, counted: bool, marked: int | None) -> tuple[Network, Longs]:
+    def _begun(self, *, counted: bool, marked: int | None) -> tuple[Network, Integers]:
         """The network, with the moves that set ``marked`` needs, and what is left to pay at most."""
         from .walk_kernels import completions
 
@@ -168,7 +168,7 @@ class Walks:
         return (found, length) if found < limit else (limit, visits)
 
     def _run(
-        self, network: Network, rest: Longs, limit: int, wanted: bool, work: int, seen: Longs = _NOTHING, *, careful: bool = True
+        self, network: Network, rest: Integers, limit: int, wanted: bool, work: int, seen: Integers = _NOTHING, *, careful: bool = True
     ) -> tuple[int, int, int]:
         """Status, least cost and visits, as of ``least_walk``."""
         from .walk_kernels import least_walk
@@ -180,7 +180,7 @@ class Walks:
         self.work -= looked
         return status, found, length
 
-    def _sharpened(self, network: Network, rest: Longs, limit: int, wanted: bool, levels: Levels) -> Longs:
+    def _sharpened(self, network: Network, rest: Integers, limit: int, wanted: bool, levels: Levels) -> Integers:
         """``rest``, or more by what walks cost that go backwards from the depot, on which fewer are remembered."""
         from .walk_kernels import completions
 

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from ....instances.number_arrays import Flags, Floats, Longs
+from ....instances.number_arrays import Flags, Floats, Integers
 from ...programs.size import TooLargeError
 from ..preparation import waiting_is_possible
 from ..problem import RoutingProblem
@@ -53,7 +53,7 @@ def best_orders(walk: Walk) -> Iterator[tuple[int, ...]]:
     sums = _Sums(walk, sites)
     mask, last = np.int64(1) << np.arange(len(sites)), np.arange(len(sites))
     along, before = sums.first.copy(), np.full(len(sites), -1)
-    steps: list[tuple[Longs, Longs]] = []  # the last site of each label of a size, and the label before it
+    steps: list[tuple[Integers, Integers]] = []  # the last site of each label of a size, and the label before it
     for size in range(1, len(sites) + 1):
         kept = _undominated(mask * len(sites) + last, along, np.nonzero(sums.within(mask, along, SLACK))[0])
         mask, last, along, before = mask[kept], last[kept], along[:, kept], before[kept]
@@ -82,7 +82,7 @@ class _Sums:
     ``first`` and ``home`` have shape (sums, sites), ``between`` (sums, sites, sites).
     """
 
-    def __init__(self, walk: Walk, sites: Longs) -> None:
+    def __init__(self, walk: Walk, sites: Integers) -> None:
         vehicle, travel = walk.vehicle, walk.problem.travel_of(walk.kind)
         length, time = np.array(walk.length), np.array(walk.time)
         matrices = [length]
@@ -110,7 +110,7 @@ class _Sums:
 
         self.deviations = -float(ndtri(min(risks))) if risks and self.variance >= 0 else 0.0
 
-    def within(self, mask: Longs, along: Floats, slack: float) -> Flags:
+    def within(self, mask: Integers, along: Floats, slack: float) -> Flags:
         """Which labels keep all limits, each widened by a part of it; a negative part asks for room."""
         vehicle, time = self.vehicle, self.pace * along[self.time]
         busy = time + self.service[mask]
@@ -128,7 +128,7 @@ class _Sums:
                 good = good & (value <= limit + slack * max(abs(limit), abs(self.walk.opens)))
         return good
 
-    def ended(self, mask: Longs, along: Floats) -> Longs:
+    def ended(self, mask: Integers, along: Floats) -> Integers:
         """Labels of routes that can be best of their sets: where the team has no risk, variance counts no more beyond the limits."""
         able = np.nonzero(self.within(mask, along, SLACK))[0]
         if self.variance < 0 or self.walk.problem.team_risk is not None:
@@ -138,7 +138,7 @@ class _Sums:
         return np.concatenate([_undominated(mask, counted, able[surely[able]]), able[~surely[able]]])
 
 
-def _undominated(group: Longs, sums: Floats, at: Longs) -> Longs:
+def _undominated(group: Integers, sums: Floats, at: Integers) -> Integers:
     """The labels of ``at`` that no other one of their group dominates in all sums; of equal ones one."""
     order = np.lexsort((*sums[::-1, at], group[at]))
     at = at[order]

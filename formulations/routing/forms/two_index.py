@@ -23,7 +23,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....instances.number_arrays import Longs
+from ....instances.number_arrays import Integers
 from ...evidence import Evidence
 from ...forms import FORMS, Form
 from ...problem import Decision, Problem
@@ -103,7 +103,7 @@ class ArcColumns(Blocks):
         self.add_columns("x", (prep.tail, prep.head), (self.node_names, self.node_names), 0.0, 1.0, prep.cost, integer=True)
         self.inner = (prep.tail != 0) & (prep.head != prep.end)
         self.customers = np.arange(1, prep.nodes - 1)
-        self.encoders: list[Callable[[Floats, Longs, Longs], None]] = []
+        self.encoders: list[Callable[[Floats, Integers, Integers], None]] = []
         self.prices: dict[str, Callable[[Floats], Floats]] = {}
 
     def add_rows(self, name: str, keys: tuple[Ints, ...], parts: Any, lower: Any = -math.inf, upper: Any = math.inf) -> slice:
@@ -175,7 +175,7 @@ class ArcColumns(Blocks):
         arc = self.arcs[(prep.tail != 0) & beyond_rounding(drop, up[prep.tail], up[prep.head], w)]
         self._bounding(f"{r.name}-latest", prep.tail[arc], arc, drop[arc], level, upper=up)
 
-        def encode(x: Floats, nodes: Longs, arcs: Longs) -> None:
+        def encode(x: Floats, nodes: Integers, arcs: Integers) -> None:
             x[level(nodes[1:-1])] = levels(r, nodes, arcs)[1:-1]
 
         self.encoders.append(encode)
@@ -208,7 +208,7 @@ class ArcColumns(Blocks):
         flow_of = np.full(len(prep.tail), -1)
         flow_of[arc] = flow
 
-        def encode(x: Floats, nodes: Longs, arcs: Longs) -> None:
+        def encode(x: Floats, nodes: Integers, arcs: Integers) -> None:
             x[flow_of[arcs[1:]]] = levels(r, nodes, arcs)[1:-1] - lo[nodes[1:-1]]
 
         self.encoders.append(encode)

@@ -13,12 +13,10 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from ....instances.number_arrays import Floats, Integers
 from ...checking.evidence_numbers import numbers
 from ...evidence import checker
-
-Floats = NDArray[np.float64]
 
 _EPS = float(np.finfo(np.float64).eps)
 _TINY = 5e-324
@@ -61,7 +59,7 @@ def _scaled(values: Floats) -> Floats:
         return prices / largest if largest > 0 else prices
 
 
-def _transposed(matrix: Any, prices: Floats) -> tuple[Floats, NDArray[np.int64]]:
+def _transposed(matrix: Any, prices: Floats) -> tuple[Floats, Integers]:
     """For each variable the sum of its coefficients times the prices of their rows, and how many prices are positive."""
     row = np.repeat(np.arange(matrix.rows), np.diff(matrix.indptr))
     mine = prices[row]

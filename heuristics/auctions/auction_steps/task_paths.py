@@ -3,14 +3,12 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.auctions.task_allocation import OBJECTIVES, Paths, TaskAllocation
 from ....formulations.stop import Stop
 from ....formulations.tolerance import LIMIT
 from ....instances.auctions.robot_tasks import RobotTasks
-
-Floats = NDArray[np.float64]
+from ....instances.number_arrays import Floats, Integers
 
 ANY_OBJECTIVE = frozenset(f"objective:{objective}" for objective in OBJECTIVES)
 
@@ -22,7 +20,7 @@ def arrays_of(problem: TaskAllocation) -> tuple[Floats, Floats]:
     return np.array(problem.instance.starts), np.array(problem.instance.between)
 
 
-def paths_of(path: NDArray[np.int64], count: NDArray[np.int64]) -> Paths:
+def paths_of(path: Integers, count: Integers) -> Paths:
     """The first ``count`` stops of each row."""
     return tuple(tuple(row[:stops].tolist()) for row, stops in zip(path, count.tolist(), strict=True))
 

@@ -5,14 +5,12 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ....formulations.evidence import Guarantee
 from ....formulations.stop import NEVER, Stop, Stopped
 from ....instances.errors import InputError
-
-Floats = NDArray[np.float64]
-Flags = NDArray[np.bool_]
+from ....instances.number_arrays import Flags, Floats, Integers
 
 SAME = 1e-9
 """Share of the reach by which a link may be longer, so that multiples of the reach need no further relay."""
@@ -35,7 +33,7 @@ class RelayTree:
     """
 
     relays: Floats
-    links: NDArray[np.int64]
+    links: Integers
     guarantee: Guarantee
 
 

@@ -10,10 +10,10 @@ from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import Stop
 from ....instances.errors import UsageError
 from ....instances.memory import fits, readable
-from ....instances.number_arrays import Flags as Flags, Floats as Floats, Longs
+from ....instances.number_arrays import Flags as Flags, Floats as Floats, Integers
 from ...heuristic import HEURISTICS
 
-Sites = Longs
+Sites = Integers
 
 MOST_SITES = 10_000
 """Sites between which all distances are held, at most."""

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...errors import Code, InputError
-from ...number_arrays import Flags, Floats, Longs
+from ...number_arrays import Flags, Floats, Integers
 from ...text import is_number, lines_of, numbers, shown
 
 
@@ -88,7 +88,7 @@ class Rows:
 
 
 def refuse(
-    bad: Flags | np.bool_, lines: Sequence[int] | Longs, message: str, found: Iterable[object], expected: str,
+    bad: Flags | np.bool_, lines: Sequence[int] | Integers, message: str, found: Iterable[object], expected: str,
     code: Code = "out-of-range",
 ) -> None:  # fmt: skip
     """Raise InputError for the first row that is ``bad``, with its line and what it holds."""

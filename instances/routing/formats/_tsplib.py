@@ -7,11 +7,11 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...errors import InputError
-from ...number_arrays import Floats, Longs
+from ...number_arrays import Floats, Integers
 from ...text import lines_of, number, numbers, shown, whole
 from ._rows import refuse, refuse_negative
 
-Lines = Longs
+Lines = Integers
 
 SET_X = re.compile(r"X-n\d+-k\d+\Z", re.I)
 FLEET_IN_NAME = re.compile(r"-k(\d{1,9})\Z", re.I)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...errors import InputError
 from ...worlds import WORLDS, Setting, World, WorldKind, setting_values
-from ..spreading_fire import Fire, Flags, Floats, Longs, spreading_fire
+from ..spreading_fire import Fire, Flags, Floats, Integers, spreading_fire
 
 CLOSE = 1e-9
 """Share of the map's size up to which two places are one: positions are sums of steps."""
@@ -19,7 +19,7 @@ CLOSE = 1e-9
 class Hotspots:
     """Targets on the front: ``ids``, ``places`` of shape (hotspots, 2), in steps ``waits`` since each was tracked, and the ``worst``."""
 
-    ids: Longs = field(default_factory=lambda: np.zeros(0, np.int64))
+    ids: Integers = field(default_factory=lambda: np.zeros(0, np.int64))
     places: Floats = field(default_factory=lambda: np.zeros((0, 2)))
     waits: Floats = field(default_factory=lambda: np.zeros(0))
     worst: Floats = field(default_factory=lambda: np.zeros(0))

@@ -7,7 +7,6 @@ from functools import partial
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.auctions.balanced_partition import EDGES, OBJECTIVES, BalancedPartition
 from ....formulations.auctions.task_allocation import TaskAllocation
@@ -17,6 +16,7 @@ from ....heuristics.auctions._gathering import URGENCIES, expected_contents, rec
 from ....heuristics.heuristic import HEURISTICS, Context
 from ....instances.auctions.robot_tasks import RobotTasks
 from ....instances.auctions.worlds.information_gathering import EXCESS, GatheringObservation, GatheringWorld, Move
+from ....instances.number_arrays import Floats, Integers
 from ....instances.worlds import WORLDS, Setting, World
 from ....solvers.linear_programs import LinearPrograms
 from ..mission import MISSIONS, Actions, Mission, Scene
@@ -158,10 +158,6 @@ def _context() -> Context:
 
 
 MISSIONS.add("information-gathering", InformationGathering)
-
-
-Floats = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 
 @dataclass

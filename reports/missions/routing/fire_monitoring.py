@@ -11,7 +11,7 @@ from ....formulations.problem import Problem
 from ....formulations.routing.problem import RoutingProblem
 from ....instances.errors import UsageError
 from ....instances.routing.instance import Sites, VehicleType
-from ....instances.routing.spreading_fire import Flags, Floats, Longs, grid_moves, move_graph
+from ....instances.routing.spreading_fire import Flags, Floats, Integers, grid_moves, move_graph
 from ....instances.routing.travel import EXPLICIT, Travel
 from ....instances.routing.worlds.fire_monitoring import FireObservation, FireWorld, Hotspots
 from ....instances.worlds import WORLDS, Setting, World, setting_values
@@ -204,18 +204,18 @@ class FireMonitoring(Mission):
                 return int(total), chosen[visits].tolist(), horizon
             horizon //= 2
 
-    def _paths(self, o: FireObservation, places: Floats) -> tuple[Floats, Longs]:
+    def _paths(self, o: FireObservation, places: Floats) -> tuple[Floats, Integers]:
         return cheapest_paths(o.burnt, places, self.values["blur"], self.values["near"], self.values["inside"])
 
 
-def _steps(lengths: Floats, speed: float) -> Longs:
+def _steps(lengths: Floats, speed: float) -> Integers:
     """Steps of flights of these ``lengths``, shape (hotspots + 1, hotspots); to keep a hotspot takes one."""
     steps = np.ceil(np.maximum(lengths, 0.0) / speed - 1e-9).astype(np.int64)
     np.fill_diagonal(steps, 1)
     return steps
 
 
-def _whole(spots: Hotspots) -> tuple[Longs, Longs]:
+def _whole(spots: Hotspots) -> tuple[Integers, Integers]:
     return spots.waits.astype(np.int64), spots.worst.astype(np.int64)
 
 
@@ -226,7 +226,7 @@ SIDES = tuple((dx, dy) for dx in (-1, 0, 1) for dy in (-1, 0, 1) if (dx, dy) != 
 """The eight directions in which a path leaves a cell."""
 
 
-def cheapest_paths(burnt: Flags, places: Floats, blur: float, near: float, inside: float) -> tuple[Floats, Longs]:
+def cheapest_paths(burnt: Flags, places: Floats, blur: float, near: float, inside: float) -> tuple[Floats, Integers]:
     """Cost of the cheapest paths from ``places`` to all cells, and the cell before each; shape (places, cells). They are Dijkstra's.
 
     A unit of length costs 1, ``near`` times the fire blurred over ``blur`` cells, and ``inside`` in the fire: means of two cells.
@@ -242,13 +242,13 @@ def cheapest_paths(burnt: Flags, places: Floats, blur: float, near: float, insid
     return costs, before
 
 
-def cells_of(burnt: Flags, places: Floats) -> Longs:
+def cells_of(burnt: Flags, places: Floats) -> Integers:
     """The cell of each place, by its number."""
     column, row = np.rint(places.T).astype(np.int64)
     return np.asarray(row * burnt.shape[1] + column)
 
 
-def corners(burnt: Flags, before: Longs, origin: Floats, place: Floats) -> list[Floats]:
+def corners(burnt: Flags, before: Integers, origin: Floats, place: Floats) -> list[Floats]:
     """Corners of the path from ``origin`` on: centres of the cells between, and ``place`` itself."""
     start, cell = cells_of(burnt, np.vstack([origin, place])).tolist()
     way = [place]

@@ -3,12 +3,11 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
 from ....instances.errors import UsageError
+from ....instances.number_arrays import Floats
 from ....instances.sata.worlds.tracking import TrackingObservation
-
-Floats = NDArray[np.float64]
 
 STILL = 1e-9
 """A sum of forces shorter than this has no direction, and the robot stays."""

@@ -5,17 +5,15 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.problem import Problem
 from ....formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
+from ....instances.number_arrays import Floats
 from ....instances.sata.phd_filter import Mixture
 from ....instances.sata.sensing_graph import SensingGraph
 from ....instances.sata.worlds.search_and_track import SearchObservation, SearchWorld
 from ....instances.worlds import WORLDS, Setting, World, setting_values
 from ..mission import MISSIONS, Actions, Decision, Mission, Scene
-
-Floats = NDArray[np.float64]
 
 OBJECTIVES = ("reduction", "nearest", "largest")
 

@@ -5,7 +5,6 @@ from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar, cast
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.problem import Problem
 from ....formulations.sata.bottleneck_sata import BottleneckSATA
@@ -13,13 +12,12 @@ from ....formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
 from ....heuristics.sata.rounding import largest_shares
 from ....instances.errors import UsageError
 from ....instances.generators import Draw
+from ....instances.number_arrays import Floats
 from ....instances.sata.sensing_graph import SensingGraph
 from ....instances.sata.worlds.tracking import TrackingObservation, TrackingWorld, distances, linked, scenario_values
 from ....instances.worlds import WORLDS, Setting, World, make_world, setting_values
 from ..mission import MISSIONS, Actions, Decision, Mission, Scene
 from . import force_vectors
-
-Floats = NDArray[np.float64]
 
 PROBLEMS = ("winner-takes-all", "bottleneck", "bottleneck-lp")
 

@@ -3,12 +3,10 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.auctions.bin_assignment import BinAssignment
+from ....instances.number_arrays import Floats
 from ..drawing import ALARM, COLOURS, INK, QUIET, bare, plot_of
-
-Floats = NDArray[np.float64]
 
 NAMED = 40
 """Robots and bins together up to which each is named."""

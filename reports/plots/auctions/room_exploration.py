@@ -3,13 +3,11 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.auctions.room_exploration import RoomExploration
+from ....instances.number_arrays import Floats
 from ..drawing import COLOURS, INK, QUIET, bare, legend_below, plot_of
 from ..positions import scaled_positions
-
-Floats = NDArray[np.float64]
 
 NAMED = 60
 """Rooms up to which each is named."""

@@ -3,7 +3,6 @@
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.sata.bottleneck_sata import BottleneckSATA
 from ....formulations.sata.max_min_lp import MaxMinLP
@@ -11,11 +10,10 @@ from ....formulations.sata.selections import indicator
 from ....formulations.sata.submodular_selection import SubmodularSelection
 from ....formulations.sata.winner_takes_all_sata import WinnerTakesAllSATA
 from ....formulations.solution import Solution
+from ....instances.number_arrays import Floats
 from ....instances.sata.sensing_graph import SensingGraph
 from .. import PLOTS
 from ..drawing import ALARM, COLOURS, INK, QUIET, bare, bars, chart_axes, entitled, new_axes, rounded
-
-Floats = NDArray[np.float64]
 
 BIPARTITE_NODES = 40
 """Up to this many actions and as many targets are drawn as nodes; larger graphs without positions as a chart of their targets."""
@@ -50,7 +48,7 @@ def plot_max_min(
     return entitled(ax, problem, answer, solution, title, drawn or "coverage of each target, the worst covered in red")
 
 
-def _shades(covered: NDArray[np.float64], worst: float) -> list[str]:
+def _shades(covered: Floats, worst: float) -> list[str]:
     """Colours of targets: the worst covered stand out."""
     return [ALARM if value <= worst * (1.0 + 1e-9) else COLOURS[0] for value in covered.tolist()]
 

@@ -7,18 +7,17 @@ from functools import partial
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.auctions.bin_assignment import BinAssignment
 from ....heuristics.heuristic import Outcome
 from ....instances.auctions.generators.assignment import orchard_distance
+from ....instances.number_arrays import Floats
 from ...ratios.families import Family, listed
 from ...ratios.guarantees import guarantee_study
 from ...ratios.judged_runs import Case, Configuration
 from ...ratios.optimum import Optimum, attained
 
 Rng = np.random.Generator
-Floats = NDArray[np.float64]
 
 MOST = 6
 """Robots and bins of random instances: 720 assignments."""

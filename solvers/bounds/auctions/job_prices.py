@@ -3,18 +3,15 @@
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.auctions.generalised_assignment import GeneralisedAssignment
 from ....formulations.evidence import Evidence
 from ....formulations.stop import Stop
 from ....formulations.verified_bounds import verified_bound
+from ....instances.number_arrays import Floats, Integers
 from ...linear_programs import LinearPrograms
 from .. import bound_method, instead_of, of_family
 from ..linear_relaxation import linear_relaxation_bound
-
-Floats = NDArray[np.float64]
-Longs = NDArray[np.int64]
 
 FAMILY = GeneralisedAssignment.family
 
@@ -54,7 +51,7 @@ def _cheapest(problem: GeneralisedAssignment) -> Floats:
     return np.where(np.isfinite(best), best, 0.0)
 
 
-def _in_steps(problem: GeneralisedAssignment) -> tuple[Longs, Longs] | None:
+def _in_steps(problem: GeneralisedAssignment) -> tuple[Integers, Integers] | None:
     """Consumption (agents, jobs) and capacities (agents,) in whole steps of each agent; None for too many steps.
 
     A step is the largest power of two that divides all consumption that fits; agents whose jobs all fit together count none.
@@ -74,7 +71,9 @@ def _in_steps(problem: GeneralisedAssignment) -> tuple[Longs, Longs] | None:
     return (counts.astype(np.int64), most.astype(np.int64)) if small else None
 
 
-def _ascended(problem: GeneralisedAssignment, used: Longs, capacity: Longs, prices: Floats, stop: Stop, target: float | None) -> Floats:
+def _ascended(
+    problem: GeneralisedAssignment, used: Integers, capacity: Integers, prices: Floats, stop: Stop, target: float | None
+) -> Floats:
     """The best prices met: a job that several agents would do gets a smaller gain for them, one that none would do a larger one."""
     instance, costs = problem.instance, problem.objective == "cost"
     sign = 1.0 if costs else -1.0
@@ -112,7 +111,7 @@ def _ascended(problem: GeneralisedAssignment, used: Longs, capacity: Longs, pric
     return sign * kept
 
 
-def _filled(gain: Floats, used: Longs, most: int) -> tuple[float, Longs]:
+def _filled(gain: Floats, used: Integers, most: int) -> tuple[float, Integers]:
     """The most gain of jobs that fit together, and which jobs these are (Bellman 1957)."""
     if int(used.sum()) <= most:
         return float(gain.sum()), np.arange(len(gain))

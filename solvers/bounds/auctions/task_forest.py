@@ -1,15 +1,12 @@
 """Bound ``task-forest``: prices of tasks and robots by projected subgradients, for the evidence of the same name."""
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.auctions.task_allocation import TaskAllocation
 from ....formulations.evidence import Evidence
 from ....formulations.stop import Stop
 from ...linear_programs import LinearPrograms
 from .. import bound_method, of_family
-
-Floats = NDArray[np.float64]
 
 STEPS = 1500
 """Forests that are looked at: more bring no visible gain."""

@@ -14,7 +14,7 @@ from ....formulations.routing.problem import RoutingProblem
 from ....formulations.routing.reachability import minimum_vehicles
 from ....formulations.stop import NEVER, Stop
 from ....instances.memory import fits
-from ....instances.number_arrays import Flags as Flags, Floats as Floats, Longs as Longs
+from ....instances.number_arrays import Flags as Flags, Floats as Floats, Integers as Integers
 from ....instances.routing.instance import VehicleType
 from ....instances.routing.vehicle_type import ENERGY_CHARGES
 
@@ -41,7 +41,7 @@ class Arcs:
     ``most`` limit the number of routes; ``resources`` say what a route may use, over nodes of which the last one is the end of routes.
     """
 
-    customers: Longs
+    customers: Integers
     cost: Floats
     fewest: int
     most: int

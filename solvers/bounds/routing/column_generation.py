@@ -15,7 +15,7 @@ import numpy as np
 from ....formulations.routing.problem import RoutingProblem
 from ....formulations.routing.routes import Routes
 from ....formulations.stop import Stop
-from .arcs import Flags, Floats, Longs
+from .arcs import Flags, Floats, Integers
 from .load_cuts import LoadCut, overloaded
 from .memory_shares import MemoryShares
 from .move_rows import MoveRow
@@ -169,7 +169,7 @@ class ColumnGeneration:
         walks = [(kind[route.vehicle], np.array([node[site] for site in route.visits], dtype=np.int64)) for route in answer if route.visits]
         self.pool.add(self.pool.new([self._turned(*walk) for walk in walks]))
 
-    def _turned(self, kind: int, route: Longs) -> Drive:
+    def _turned(self, kind: int, route: Integers) -> Drive:
         """A route, or, where it may be driven in either direction, always in the same one."""
         turned = self.partition.symmetric and route[0] > route[-1] and len(np.unique(route)) == len(route)
         return kind, route[::-1].copy() if turned else route
@@ -457,7 +457,7 @@ class ColumnGeneration:
         return point.value + self.constant if point.status == "optimal" else math.nan
 
 
-def _comes_back(route: Longs, near: Flags) -> bool:
+def _comes_back(route: Integers, near: Flags) -> bool:
     """Whether a route comes back to a customer who is still remembered."""
     kept: set[int] = set()
     for node in route.tolist():

@@ -19,7 +19,7 @@ from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
 from ...linear_session import LinearSession
 from .. import bound_method, of_family
-from .arcs import Flags, Floats, Longs, by_site, lacks_arc_costs, too_many_arcs
+from .arcs import Flags, Floats, Integers, by_site, lacks_arc_costs, too_many_arcs
 from .knapsack import lacks_rewards
 
 NEIGHBOURS = 8
@@ -139,7 +139,7 @@ class _Relaxation:
         self.tail, self.head = np.append(self.tail, tail), np.append(self.head, head)
         return size
 
-    def cut(self, inside: Flags, of: Longs) -> None:
+    def cut(self, inside: Flags, of: Integers) -> None:
         """Add the cuts around sets, as ``violated`` names them."""
         cut, crossing = np.nonzero(inside[:, self.tail] != inside[:, self.head])
         served = np.nonzero(of)[0]
@@ -148,7 +148,7 @@ class _Relaxation:
         self.session.add_rows(right, around.indptr[:-1], around.indices, around.data)
         self.inside, self.of = np.concatenate([self.inside, inside]), np.append(self.of, of)
 
-    def violated(self, x: Floats, stop: Stop) -> tuple[Flags, Longs]:
+    def violated(self, x: Floats, stop: Stop) -> tuple[Flags, Integers]:
         """Sets whose cuts a point breaks, and for each the customer whose visit it serves; 0 for sets with required customers."""
         from .cut_kernels import cuts_below, overloaded_sets
 

@@ -13,7 +13,7 @@ import numpy as np
 from ....formulations.routing.routes import Routes
 from ....formulations.stop import Stop
 from ..proof_tree import Node, ProofTree
-from .arcs import Floats, Longs, by_site
+from .arcs import Floats, Integers, by_site
 from .column_generation import ColumnGeneration, Part, Solved
 from .load_cuts import LoadCut
 from .restricted_master import Master, Point, Pool, Prices
@@ -86,7 +86,7 @@ def routes_below(columns: ColumnGeneration, part: Part, solved: Solved, gap: flo
     return pool
 
 
-def _bits(members: Sequence[list[int]], nodes: int) -> Longs:
+def _bits(members: Sequence[list[int]], nodes: int) -> Integers:
     """The sets that each node belongs to, as bits, shape (nodes, words)."""
     bits = np.zeros((nodes, -(-len(members) // WORD)), np.int64)
     for c, inside in enumerate(members):
@@ -94,7 +94,7 @@ def _bits(members: Sequence[list[int]], nodes: int) -> Longs:
     return bits
 
 
-def _by_bit(values: Longs) -> Longs:
+def _by_bit(values: Integers) -> Integers:
     padded = np.zeros((-(-len(values) // WORD), WORD), np.int64)
     padded.flat[: len(values)] = values
     return padded
@@ -104,9 +104,9 @@ def _by_bit(values: Longs) -> Longs:
 class _Case(Node):
     """A node, its routes as positions ``at`` in all, its linear program's ``prices`` and the ``used`` routes with their ``values``."""
 
-    at: Longs = field(default_factory=lambda: np.zeros(0, np.int64))
+    at: Integers = field(default_factory=lambda: np.zeros(0, np.int64))
     prices: Prices | None = None
-    used: Longs = field(default_factory=lambda: np.zeros(0, np.int64))
+    used: Integers = field(default_factory=lambda: np.zeros(0, np.int64))
     values: Floats = field(default_factory=lambda: np.zeros(0))
 
 
@@ -187,23 +187,23 @@ class ChoiceTree(ProofTree[_Case]):
     def release(self, node: _Case) -> None:
         node.at = node.used = np.zeros(0, np.int64)
 
-    def _left(self, at: Longs, node: _Case) -> Longs:
+    def _left(self, at: Integers, node: _Case) -> Integers:
         """The routes of a node above that a decision leaves."""
         assert node.decision is not None
         (i, j), together = node.decision
         one, other = self.visits[at, i], self.visits[at, j]
-        kept: Longs = at[one == other if together else ~(one & other)]
+        kept: Integers = at[one == other if together else ~(one & other)]
         return kept
 
     # -- the linear program --------------------------------------------------------------------------------------------
 
-    def _shut(self, at: Longs) -> None:
+    def _shut(self, at: Integers) -> None:
         allowed = np.zeros(len(self.every), bool)
         allowed[at] = True
         optional = np.zeros(len(self.partition.optional), bool)
         self.master.restrict(~allowed[self.of], self.part.fewest, self.part.most, optional)
 
-    def _solved(self, at: Longs) -> tuple[Point, float, Floats, float] | None:
+    def _solved(self, at: Integers) -> tuple[Point, float, Floats, float] | None:
         """The linear program over routes ``at``, its bound, their reduced costs and the least of these; None where there was no time."""
         self._shut(at)
         while True:
@@ -224,7 +224,7 @@ class ChoiceTree(ProofTree[_Case]):
         number = self.part.most if least < 0.0 else self.part.fewest
         return point, math.fsum(parts) + number * least, reduced, least
 
-    def _take(self, new: Longs) -> None:
+    def _take(self, new: Integers) -> None:
         self.some.add(self.every.drives(new))
         self.inside[new] = True
         self.of = np.concatenate([self.of, new])

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ....formulations.stop import Stop
-from .arcs import Flags, Floats, Longs
+from .arcs import Flags, Floats, Integers
 from .route_levels import DONE, EXACT, NONE, STOPPED, WORD, Level
 from .subset_rows import SubsetRow
 
@@ -39,7 +39,7 @@ class _End:
     """
 
     def __init__(
-        self, weight: Longs, lower: Longs, upper: Longs, start: Longs, above: Longs, room: int, most_bytes: float
+        self, weight: Integers, lower: Integers, upper: Integers, start: Integers, above: Integers, room: int, most_bytes: float
     ) -> None:  # fmt: skip
         self.weight, self.lower, self.upper, self.start, self.above = weight, lower, upper, start, above
         room = int(min(room, most_bytes / (BESIDE + MEETING + 8 * (len(start) + 3))))
@@ -72,7 +72,7 @@ class _End:
             fitting = int(min(self.room, (self.most_bytes - BESIDE * self.room) / (MEETING + 8 * width)))
             self.rows = np.empty((fitting + 1, width), np.int64)
 
-    def _latest(self, usable: Flags, members: Ints) -> Longs:
+    def _latest(self, usable: Flags, members: Ints) -> Integers:
         """Levels at each node above which those whom it remembers are out of reach."""
         none, far = np.int64(1 << 60), np.int64(1 << 50)
         latest = np.full((*members.shape, len(self.start)), none, np.int64)
@@ -143,7 +143,7 @@ class Pricer:
         self.bidirectional = True
 
     @staticmethod
-    def _whole(level: Level, usable: Flags) -> tuple[Longs, int, Longs, Longs]:
+    def _whole(level: Level, usable: Flags) -> tuple[Integers, int, Integers, Integers]:
         """A level in whole numbers, which allow all that it allows."""
         weight, start, lower, upper = level.weight, level.start, level.lower, level.upper
         size = max(float(np.abs(upper).max()), float(np.abs(lower).max()), abs(start))
@@ -177,7 +177,7 @@ class Pricer:
 
     def search(
         self, stop: Stop, reduced: Floats, duals: Floats, how: int, most: int, below: float
-    ) -> tuple[int, float, Floats, list[Longs]]:
+    ) -> tuple[int, float, Floats, list[Integers]]:
         """Routes of a reduced cost ``below`` a number, the ``most`` cheapest, and the least reduced cost of all; ``reduced`` (nodes, nodes)
         are the reduced costs of moves, ``duals`` those of the cuts, 0 or less."""
         from .label_kernels import join
@@ -224,7 +224,7 @@ class Pricer:
         """A cost in whole numbers, those beyond all sums cut off."""
         return int(min(max(np.floor(below * self.unit), -NONE), NONE))
 
-    def _grow(self, stop: Stop, reduced: Floats, fines: Longs, how: int, halves: tuple[int, int]) -> int:
+    def _grow(self, stop: Stop, reduced: Floats, fines: Integers, how: int, halves: tuple[int, int]) -> int:
         """Labels from both ends, each up to its halfway point."""
         from .label_kernels import grow
 
@@ -240,7 +240,7 @@ class Pricer:
             end.chains[0, 0], end.cheapest[0, 0], end.after[0] = 0, 0, -1  # the label of the depot stands in its bucket too
         return DONE
 
-    def _meeting(self, fines: Longs) -> tuple[Any, ...]:
+    def _meeting(self, fines: Integers) -> tuple[Any, ...]:
         """Labels from both ends, as the kernels that put them together take them."""
         ahead, back = self.ends
         return (

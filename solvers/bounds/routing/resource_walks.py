@@ -10,7 +10,7 @@ from ....formulations.checking.granularity import grain
 from ....formulations.routing.checking.relaxation import Resource
 from ....formulations.routing.checking.vehicle_moves import VehicleMoves
 from ....formulations.stop import Stop
-from .arcs import Flags, Floats, Longs
+from .arcs import Flags, Floats, Integers
 
 Cells = tuple[Floats, NDArray[np.int32], Floats]
 """Least costs, nodes before, and weights of walks, shape (cells, 2)."""
@@ -106,7 +106,7 @@ class Walks:
         return least + (self.cost - price)
 
 
-def at_level(values: Floats, grid: tuple[Longs, Longs, Longs], level: int) -> Floats:
+def at_level(values: Floats, grid: tuple[Integers, Integers, Integers], level: int) -> Floats:
     """Least cost at a level or below it, by node."""
     base, lower, upper = grid
     cell = base[:-1] + np.minimum(level, upper) - lower
@@ -114,7 +114,7 @@ def at_level(values: Floats, grid: tuple[Longs, Longs, Longs], level: int) -> Fl
     return np.where(some, values[np.where(some, cell, 0), 0], math.inf) if len(values) else np.full(len(lower), math.inf)
 
 
-def _grid(lower: Longs, upper: Longs) -> tuple[Longs, Longs, Longs]:
+def _grid(lower: Integers, upper: Integers) -> tuple[Integers, Integers, Integers]:
     """First cell of each node, and its levels; the depot has none."""
     count = np.maximum(0, upper - lower + 1)
     count[0] = 0

@@ -14,10 +14,10 @@ from ....formulations.programs.program import Program, Variables
 from ....formulations.programs.rows import Part, rows
 from ....formulations.stop import Stop
 from ...linear_session import LinearResult, LinearSession
-from .arcs import Flags, Floats, Longs
+from .arcs import Flags, Floats, Integers
 from .memory_shares import ROUTE, VISIT
 
-Drive = tuple[int, Longs]
+Drive = tuple[int, Integers]
 """The number of a type of vehicle, and the nodes that one of them visits."""
 
 
@@ -51,7 +51,7 @@ class Pool:
     """Routes as walks over nodes, the depot being node 0 at both ends, each of the vehicles of one ``kind``, a number of a type."""
 
     def __init__(self) -> None:
-        self.routes: list[Longs] = []
+        self.routes: list[Integers] = []
         self.known: set[bytes] = set()
         self.tail, self.head, self.owner, self.kind = (np.zeros(0, np.int64) for _ in range(4))
         self.begin = np.zeros(1, np.int64)
@@ -94,7 +94,7 @@ class Pool:
         self.twice = np.concatenate([self.twice, [len(set(route.tolist())) < len(route) for route in routes]])
         self.routes.extend(routes)
 
-    def drives(self, chosen: Longs) -> list[Drive]:
+    def drives(self, chosen: Integers) -> list[Drive]:
         """Some of the routes, by their numbers."""
         return [(int(self.kind[k]), self.routes[k]) for k in chosen.tolist()]
 
@@ -119,7 +119,7 @@ class Pool:
         return flow
 
 
-def _key(kind: int, route: Longs) -> bytes:
+def _key(kind: int, route: Integers) -> bytes:
     return kind.to_bytes(4, "little") + route.tobytes()
 
 
@@ -166,7 +166,7 @@ class Master:
     """
 
     def __init__(
-        self, pool: Pool, cost: Floats, row: Longs, lacking: Floats, most: Sequence[int], seed: int, cuts: Sequence[Cut] = (), *,
+        self, pool: Pool, cost: Floats, row: Integers, lacking: Floats, most: Sequence[int], seed: int, cuts: Sequence[Cut] = (), *,
         boxed: bool = False,
     ) -> None:  # fmt: skip
         self.pool, self.cost, self.row, self.lacking, self.seed, self.known = pool, cost, row, lacking, seed, 0

@@ -17,7 +17,7 @@ from ....formulations.routing.reachability import minimum_vehicles
 from ....formulations.routing.routes import Route, Routes
 from ....formulations.stop import NEVER, Stop
 from ....instances.routing.vehicle_type import VehicleType
-from .arcs import ARC_TERMS, Flags, Floats, Longs, too_many_arcs
+from .arcs import ARC_TERMS, Flags, Floats, Integers, too_many_arcs
 from .route_levels import Level, levels_of
 
 ROUNDED = 1e-12
@@ -45,9 +45,9 @@ class SetPartition:
     optional; ``symmetric``: one type, and each route can be driven the other way round at the same cost.
     """
 
-    customers: Longs
+    customers: Integers
     types: tuple[RouteType, ...]
-    row: Longs
+    row: Integers
     optional: Flags
     fewest: int
     most: int
@@ -60,7 +60,7 @@ class SetPartition:
         """Costs of moves, shape (types, nodes, nodes)."""
         return np.array([one.cost for one in self.types])
 
-    def routes(self, drives: Sequence[tuple[int, Longs]]) -> Routes:
+    def routes(self, drives: Sequence[tuple[int, Integers]]) -> Routes:
         """The answer of some routes over nodes, each with the number of its type."""
         remaining = [[[vehicle, count] for vehicle, count in one.vehicles] for one in self.types]
         routes = []

@@ -19,7 +19,7 @@ from ....formulations.routing.problem import RoutingProblem
 from ....formulations.stop import NEVER, Stop
 from ...linear_programs import LinearPrograms
 from .. import bound_method, of_family
-from .arcs import LIMITS, Flags, Floats, Longs, by_site, lacks_arc_costs, too_many_arcs
+from .arcs import LIMITS, Flags, Floats, Integers, by_site, lacks_arc_costs, too_many_arcs
 from .price_sharing import NEIGHBOURS, ROUNDS, WORK_PER_SECOND, shared_prices
 from .resource_walks import Walks, step_size
 from .subgradient_ascent import ascend
@@ -42,7 +42,7 @@ class _Rows:
     """The value of prices of visits, and how many routes there are."""
 
     required: Flags
-    groups: list[tuple[Longs, bool]]
+    groups: list[tuple[Integers, bool]]
     counts: list[int]
     fewest: int
 

@@ -6,7 +6,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from .arcs import Flags, Floats, Longs
+from .arcs import Flags, Floats, Integers
 from .restricted_master import Pool
 
 LEAST = 0.02
@@ -76,7 +76,7 @@ def violated(pool: Pool, values: Floats, nodes: int, known: dict[tuple[int, ...]
     return rows
 
 
-def _memory(pool: Pool, used: Longs, row: list[int], nodes: int) -> Flags:
+def _memory(pool: Pool, used: Integers, row: list[int], nodes: int) -> Flags:
     """The fewest nodes that must be remembered for all routes that visit two or three of the customers to count."""
     memory = np.zeros(nodes, bool)
     memory[row] = True

@@ -4,14 +4,12 @@ from abc import ABC, abstractmethod
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ....formulations.sata.feasibility import with_each
 from ....formulations.stop import NEVER, Stop
 from ....formulations.tolerance import LIMIT
+from ....instances.number_arrays import Integers as Elements
 from ....instances.sata.set_functions import Floats, ItemWeights, SetFunction
-
-Elements = NDArray[np.int64]
 
 
 def rounding(value: float, gain: float) -> float:

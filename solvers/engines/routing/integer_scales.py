@@ -8,9 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ....instances.number_arrays import Flags, Floats as Floats, Longs
-
-Integers = Longs
+from ....instances.number_arrays import Flags, Floats as Floats, Integers as Integers
 
 UNLIMITED = int(np.iinfo(np.int64).max)
 """Stands for infinity; each engine puts its own largest value there."""

@@ -3,15 +3,13 @@
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .....formulations.stop import NEVER, Stop, Stopped
 from .....instances.auctions.orchard_rules import OrchardRules, OrchardStart, draw_start
 from .....instances.errors import UsageError
 from .....instances.generators import Draw
+from .....instances.number_arrays import Integers
 from .policies import CHOICES, COSTS, DELIVERIES
-
-Integers = NDArray[np.int64]
 
 MOST_STEPS = 1_000_000
 

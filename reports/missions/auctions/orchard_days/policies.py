@@ -3,12 +3,10 @@
 from collections.abc import Callable, Mapping
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .....instances.auctions.orchard_rules import NONE, Trip
 from .....instances.auctions.worlds.orchard import OrchardObservation
-
-Integers = NDArray[np.int64]
+from .....instances.number_arrays import Integers
 
 CHOICES = ("greedy", "auction", "auction-immediate", "assignment")
 """Which idle robot fetches which bin: each in turn the nearest full one, or the soonest full; the deferred and the immediate conflict

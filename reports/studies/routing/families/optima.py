@@ -8,7 +8,7 @@ from .....formulations.routing.objective import LongestRoute, Makespan, Reward, 
 from .....formulations.routing.problem import RoutingProblem
 from .....formulations.routing.routes import Routes
 from .....instances.errors import CheckFailedError, UsageError
-from .....instances.number_arrays import Floats, Longs
+from .....instances.number_arrays import Floats, Integers
 from ....ratios.optimum import OPTIMA, Optimum, attained, subsets
 
 MOST_CUSTOMERS = 10
@@ -77,7 +77,7 @@ def best_routes(problem: RoutingProblem) -> Optimum:
     return attained(problem, Routes.of(routes), "enumeration")
 
 
-def _shortest_paths(moves: Floats) -> tuple[Floats, Longs]:
+def _shortest_paths(moves: Floats) -> tuple[Floats, Integers]:
     """Lengths of shortest paths from stop 0 through every set of the others to each of them, and the stop before; shape (2^n, n)."""
     n = len(moves) - 1
     ends, before = np.full((1 << n, n), math.inf), np.full((1 << n, n), -1)

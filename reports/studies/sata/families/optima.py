@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .....formulations.evidence import Evidence
 from .....formulations.problem import Problem
@@ -17,10 +16,9 @@ from .....formulations.sata.selections import Selection
 from .....formulations.sata.submodular_selection import SubmodularSelection
 from .....formulations.verified_bounds import verified_bound
 from .....instances.errors import CheckFailedError, UsageError
+from .....instances.number_arrays import Flags, Floats
 from .....instances.sata.sensing_graph import SensingGraph
 from ....ratios.optimum import OPTIMA, Optimum, attained, subsets
-
-Floats = NDArray[np.float64]
 
 MOST_ELEMENTS = 16
 """Ground sets up to this size are enumerated: 65536 sets."""
@@ -50,7 +48,7 @@ def set_values(problem: SubmodularSelection) -> Floats:
     return np.asarray(best.sum(axis=1))
 
 
-def allowed_sets(problem: SubmodularSelection) -> NDArray[np.bool_]:
+def allowed_sets(problem: SubmodularSelection) -> Flags:
     """Whether the constraint allows each subset, in the order of ``set_values``."""
     return allowed(problem.constraint, subsets(problem.num_elements))
 

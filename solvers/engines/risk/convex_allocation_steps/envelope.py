@@ -14,7 +14,6 @@ Where less risk is worth something, pieces are taken in their order, as the firs
 import math
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .....formulations.programs.program import Variables
 from .....formulations.programs.rows import rows
@@ -22,9 +21,8 @@ from .....formulations.risk.forms._blocks import Blocks, dense_rows
 from .....formulations.risk.forms.piecewise import density, mean_risk, points
 from .....formulations.risk.normal import ndtr
 from .....formulations.risk.risk_allocation import RiskAllocation
+from .....instances.number_arrays import Floats
 from .session import Ints, Solved, open_session
-
-Floats = NDArray[np.float64]
 
 TINY = float(np.finfo(np.float64).tiny)
 

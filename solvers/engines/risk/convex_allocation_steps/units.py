@@ -5,11 +5,9 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .....formulations.risk.risk_allocation import RiskAllocation
-
-Floats = NDArray[np.float64]
+from .....instances.number_arrays import Floats
 
 ORDINARY = (1e-3, 1e5)
 """Sizes between which numbers are not scaled."""

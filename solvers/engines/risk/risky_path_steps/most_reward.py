@@ -11,16 +11,14 @@ import math
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from .....formulations.risk.marked_paths import CutShortError, risky_path
 from .....formulations.risk.moves import Memories
 from .....formulations.risk.risky_path import Path, RiskyPath
 from .....formulations.stop import Stop
+from .....instances.number_arrays import Floats
 from ....backend import Control, Options, RawResult
 from .least_hazard import LOOK, least_hazard
-
-Floats = NDArray[np.float64]
 
 
 def most_reward(problem: RiskyPath, stop: Stop, options: Options, control: Control) -> RawResult:

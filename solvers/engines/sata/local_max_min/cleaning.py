@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .....instances.errors import InputError
+from .....instances.number_arrays import Floats as Floats
 from .....instances.sata.sensing_graph import SensingGraph
 
-Floats = NDArray[np.float64]
 Indices = NDArray[np.int32]
 
 
