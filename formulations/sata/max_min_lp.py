@@ -261,17 +261,20 @@ def as_sensing(problem: MaxMinLP) -> tuple[SensingGraph, Floats]:
 
 
 def far_apart(who: str, problem: MaxMinLP) -> UnsupportedError:
-    """The refusal of coefficients whose quotients overflow or vanish: it names those of one variable that are furthest apart."""
+    """The refusal of coefficients whose quotients are too large, too small or too far apart: it names the extreme ones."""
     a, c = problem.packing, problem.covering
     largest = np.zeros(problem.num_variables)
     np.maximum.at(largest, a.indices, a.data)
     with np.errstate(divide="ignore"):
-        k = int(np.argmax(np.abs(np.log(c.data) - np.log(largest[c.indices]))))
-    v = int(c.indices[k])
-    coefficients = f"variable {problem.variable_name(v)}: {largest[v]:g} in packing, {c.data[k]:g} in covering"
+        quotients = np.log(c.data) - np.log(largest[c.indices])
+    least, most = (
+        f"{c.data[k]:g} in covering and {largest[c.indices[k]]:g} in packing of variable {problem.variable_name(int(c.indices[k]))}"
+        for k in (int(np.argmin(quotients)), int(np.argmax(quotients)))
+    )
+    extremes = most if least == most else f"{least}, and {most}"
     return UnsupportedError(
         who,
-        {f"coefficients whose quotients no double holds ({coefficients})"},
+        {f"coefficients whose quotients no double holds beside each other ({extremes})"},
         advice="divide all covering rows by one number, or leave out what is negligible beside the rest",
     )
 

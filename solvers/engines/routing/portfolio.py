@@ -48,6 +48,9 @@ ENOUGH_BEFORE_PROOF = 15_000
 FIRST_SHARE = 0.5
 """Least part of the time for ruin and recreate where another engine goes on from its routes."""
 
+GROUPED_SHARE = 0.7
+"""The same where sites stand in groups: several anneals take so long, and PyVRP finds alternatives that they missed."""
+
 TOO_LATE = 0.05
 """Seconds of the time limit with which no engine is begun."""
 
@@ -127,9 +130,10 @@ class Portfolio(Engine):
             if {term.name for level in problem.objective.levels() for _, term in level.terms} == {"reward"}:
                 rich = Turn(RuinRecreate, 0.5, RUINS, {"worth": 4.0})
                 return [Turn(RuinRecreate, 0.4, RUINS), rich, Turn(PyVRP)]  # how much rewards are best taken for differs from file to file
-            # Bisection asks ruin and recreate again and again, each time for a part of its time; in groups a ruin looks at many sites.
-            if RuinRecreate().bisects(problem) or problem.sites.groups:
+            if RuinRecreate().bisects(problem):  # which asks ruin and recreate again and again, each time for a part of its time
                 return [Turn(RuinRecreate, FIRST_SHARE, RUINS), Turn(PyVRP)]
+            if problem.sites.groups:
+                return [Turn(RuinRecreate, GROUPED_SHARE, RUINS), Turn(PyVRP)]
             few = FEW_CUSTOMERS if "time-windows" in problem.features() else FEW_WITHOUT_WINDOWS
             if len(problem.customers) <= few and proves(problem):
                 return [Turn(BeforeProof, work=RUINS), Turn(BranchPriceCut), Turn(PyVRP)]

@@ -17,6 +17,7 @@ from ....formulations.routing.routes import Route, Routes
 from ....formulations.stop import Stop, now
 from ....instances.errors import UsageError
 from ....instances.memory import fits
+from ....instances.number_arrays import Integers
 from ...backend import BACKENDS, Control, Options, RawResult
 from .abreast import abreast
 from .bisection import Bisecting
@@ -88,10 +89,10 @@ class RuinRecreate(Bisecting):
     """Ruin and recreate with string removal, greedy insertion with blinks and annealing (Christiaens & Vanden Berghe 2020).
 
     ``iterations`` counts ruins. Options: ``removals``, how many visits are removed on the mean; ``string``, the longest string of them;
-    ``neighbours``, next to how many customers a visit is inserted, twice as many where some may be left out; ``hot`` and ``cold``, the
-    temperatures at the beginning and the end, in lengths of a mean move (three times and twice that where windows bind, three times and
-    once where rewards are all that counts, twice both where all sites are required); ``worth``, where rewards are all that counts, for how
-    many times the cost of the routes all rewards on them are taken in the search, 0 for what they are in the objective.
+    ``neighbours``, next to how many customers a visit is inserted, twice as many where sites outside groups may be left out; ``hot`` and
+    ``cold``, the temperatures at the beginning and the end, in lengths of a mean move (three times and twice that where windows bind, three
+    times and once where rewards are all that counts, twice both where all sites are required); ``worth``, where rewards are all that
+    counts, for how many times the cost of the routes all rewards on them are taken in the search, 0 for what they are in the objective.
     """
 
     name = "ruin-recreate"
@@ -341,7 +342,7 @@ class _Search:
         """
         k, held = self.columns, self.held
         types, slots, used = held.types, held.types[:, k.SLOTS].copy(), held.types[:, k.USED] > 0
-        fixed = np.where(types[:, k.HOME] > 0, 0, types[:, k.FIXED])  # committed vehicles are paid for anyway
+        fixed = self.price_of_use()
         required = held.customers[held.site[held.customers, k.REQUIRED] > 0]
         running = int(held.route[:, k.COST].sum() - (fixed * types[:, k.USED]).sum())
         outweighed = used.any() and fixed[used].min() >= max(1, running)
@@ -349,7 +350,7 @@ class _Search:
             return
         ends, move = now() + PLACING * self.stop.seconds_left, self.mean_move()
         steps_end = held.sums[k.STEPS] + (math.inf if self.by_clock else PLACING * most if math.isfinite(most) else idle)
-        fewest = max(1, self.data.fewest(), self.problem.min_vehicles)
+        fewest = max(1, 0 if held.flags & k.GROUPED else self.data.fewest(), self.problem.min_vehicles)  # loads of groups are alternatives
         prices, nothing = held.site[:, k.MISSED].copy(), np.full_like(self.best, -k.NONE)
         types[:, k.FIXED] -= fixed
         held.alone[:] -= np.where(held.alone < k.NONE, fixed[:, None], 0)
@@ -425,7 +426,7 @@ class _Search:
         with self.lock:
             self.best[:] = min((one.best for one in (self, *self.team)), key=lambda best: int(best[0]))
         held.put(held.routes(self.best[1:]))
-        parts = held.sums[k.STEPS] // (COMBINED_AGAIN * len(held.customers))
+        parts = held.sums[k.STEPS] // (COMBINED_AGAIN * held.most_visits)
         while not self.stop.reached() and (now() < ends if self.by_clock else parts > 0):
             parts -= 1
             left, many = ends - now() if self.by_clock else self.stop.seconds_left, self.threads
@@ -477,12 +478,17 @@ class _Search:
         to one site and back. Routes alone do not tell where only who is near pays so far."""
         k, route, types = self.columns, self.held.route, self.held.types
         if not route[:, k.VISITS].any():
-            costs = (self.held.alone - np.where(types[:, k.HOME] > 0, 0, types[:, k.FIXED])[:, None])[:, self.held.customers]
+            costs = (self.held.alone - self.price_of_use()[:, None])[:, self.held.customers]
             known = costs[self.held.alone[:, self.held.customers] < k.NONE]
             return float(np.abs(known).mean()) / 2.0 if len(known) else 0.0
         moves = int(route[:, k.VISITS].sum() + (route[:, k.VISITS] > 0).sum())
         least = self.held.next_move() * int(types[:, k.UNIT].min())
         return max(least, float(route[:, k.COST].sum() - (types[:, k.FIXED] * types[:, k.USED]).sum()) / max(1, moves))
+
+    def price_of_use(self) -> Integers:
+        """What one more vehicle of each type costs beside its way; committed ones are paid for anyway, but for what counts routes."""
+        k, types = self.columns, self.held.types
+        return np.where(types[:, k.COMMITTED] > 0, self.data.counted, types[:, k.FIXED])
 
     def load_price(self) -> float:
         """What a unit of the first load costs on the mean."""

@@ -119,7 +119,7 @@ def join(held: Arrays, parts: Iterable[Share]) -> Integers:
 
 def collect(pool: Pool | None, lock: threading.Lock) -> None:
     """Keep the routes at hand, now and then."""
-    if pool and pool.held.sums[k.STEPS] - pool.looked >= 2 * len(pool.held.customers):
+    if pool and pool.held.sums[k.STEPS] - pool.looked >= 2 * pool.held.most_visits:
         with lock:
             pool.collect()
 

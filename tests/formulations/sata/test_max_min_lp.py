@@ -183,6 +183,6 @@ def test_other_programs_are_refused_by_what_they_have() -> None:
     check_refused(UnsupportedError, "min-max", as_sensing, MaxMinLP([[1.0]], [[1.0]], sense="min"))
 
 
-def test_of_coefficients_too_far_apart_those_of_one_variable_are_named_and_what_to_do():
-    said = r"\(variable 2: 1e-200 in packing, 1e\+200 in covering\); divide all covering rows by one number, or leave out"
+def test_of_coefficients_too_far_apart_the_extreme_ones_are_named_and_what_to_do():
+    said = r"\(1 in covering and 1 in packing of variable 1, and 1e\+200 in covering and 1e-200 in packing of variable 2\); divide all"
     check_refused(UnsupportedError, said, as_sensing, MaxMinLP([[1.0, 1e-200]], [[1.0, 1e200]]))

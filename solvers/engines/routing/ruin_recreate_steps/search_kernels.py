@@ -319,7 +319,8 @@ def cheapest(  # type: ignore[no-untyped-def]
     chosen, least, one = c, NONE, c
     while True:
         if below(random, OVERLOOKED):
-            extra = np.int64(min(price * site[one, DEMAND], 1e16)) - site[one, MISSED]
+            load = site[one, DEMAND] if price > 0.0 else 0  # no column where loads limit nothing
+            extra = np.int64(min(price * load, 1e16)) - site[one, MISSED]
             most = NONE if least == NONE else least - extra
             cost = most
             for k in range(len(types)):

@@ -118,6 +118,12 @@ def test_a_unit_changes_no_digit(exponent: int) -> None:
     assert second.objective == np.ldexp(first.objective, exponent) and np.array_equal(first.answer, second.answer)
 
 
+def test_a_refusal_names_the_two_variables_whose_coefficients_are_far_apart() -> None:
+    problem = wb.MaxMinLP([[1.0, 1.0], [1.0, 0.0]], [[1e200, 1e-200]])
+    with pytest.raises(UnsupportedError, match=r"1e-200 in covering and 1 in packing of variable 2, and 1e\+200 in covering"):
+        Saddle().run(problem, Options(iterations=10), Control())
+
+
 @pytest.mark.parametrize("seed", range(20))
 @pytest.mark.parametrize("decades", [20, 120, 300])
 @pytest.mark.parametrize("sense", ["max", "min"])
