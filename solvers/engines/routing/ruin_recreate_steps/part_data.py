@@ -19,8 +19,8 @@ OF_SITES = ("service", "ready", "due", "demand", "pickup", "prize")
 """Arrays of ``IntegerRouting`` with an entry a site."""
 
 OF_TYPES = (
-    "profile", "capacity", "max_duration", "max_distance", "regular_duration", "unit", "fixed", "time", "overtime", "opens", "leaves",
-    "closes", "travel_limit", "travel_reach", "charge_limit", "latest_return", "store", "store_lacking",
+    "profile", "capacity", "max_duration", "max_distance", "regular_duration", "unit", "fixed", "counted", "time", "overtime", "opens",
+    "leaves", "closes", "travel_limit", "travel_reach", "charge_limit", "latest_return", "store", "store_lacking",
 )  # fmt: skip
 """Arrays of ``IntegerRouting`` with an entry a vehicle type."""
 
