@@ -242,14 +242,13 @@ def with_slope(problem: RoutingProblem, data: IntegerRouting, *, maxima: bool = 
     that the limits of routes leave. Without a price a local search has no direction, and ends with the first routes that are full. With
     ``maxima`` also beside the largest of all routes, which is a slope only for the largest one.
     """
-    costs = {name: getattr(data, name) for name in ("fixed", "time", "overtime", "maxima", "prize")}
     priced, stops = bool(data.time.any() or data.overtime.any()), stops_between(problem)
     timed = priced or bool(data.maxima.any())
     if data.unit.any() or ((priced or (timed and not maxima)) and not stops):
         return data
     fine, data = data, _coarse(data)
-    costs["maxima"] = data.maxima
-    step = max(1, int(np.gcd.reduce(np.concatenate([*costs.values(), data.counted]))))
+    costs = {name: getattr(data, name) for name in ("fixed", "counted", "time", "overtime", "maxima", "prize")}
+    step = max(1, int(np.gcd.reduce(np.concatenate([*costs.values()]))))
     outweighed, moves = 1 + _farthest(problem, data), 2 * len(problem.customers) * (1 + stops)
     most = 1 + sum(int((v // step).sum()) for v in costs.values())
     if timed:
@@ -257,7 +256,6 @@ def with_slope(problem: RoutingProblem, data: IntegerRouting, *, maxima: bool = 
         most *= outweighed + slowest + moves * int(data.service.max()) + int(max(data.opens.max(), data.ready.max()))
     if outweighed * most > UNLIMITED // 4:
         return fine
-    costs["counted"] = data.counted
     dearer = {name: v // step * outweighed for name, v in costs.items()}
     return replace(data, **dearer, unit=np.ones_like(data.unit), cost_factor=data.cost_factor * outweighed / step)
 

@@ -486,12 +486,13 @@ class _Search:
         return max(least, float(route[:, k.COST].sum() - (types[:, k.FIXED] * types[:, k.USED]).sum()) / max(1, moves))
 
     def price_of_use(self) -> Integers:
-        """What one more vehicle of each type costs beside its way; committed ones are paid for anyway, but for what counts routes."""
+        """Cost of using one more vehicle of each type, without its travel. A committed vehicle has its fixed cost in any case, so that only
+        the weight of the number of routes in the objective is left."""
         k, types = self.columns, self.held.types
         return np.where(types[:, k.COMMITTED] > 0, self.data.counted, types[:, k.FIXED])
 
     def load_price(self) -> float:
-        """What a unit of the first load costs on the mean."""
+        """Cost of the routes at hand divided by the load they deliver, in the first load dimension; 0 where no load is limited."""
         k, held = self.columns, self.held
         if held.route.shape[1] == k.ROOM:
             return 0.0

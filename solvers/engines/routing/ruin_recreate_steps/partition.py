@@ -66,11 +66,12 @@ class Pool:
             del self.routes[next(iter(self.routes))]
 
     def key(self, route: Route) -> Key:
-        """What a route does: its vehicle type, and which sites and groups it visits."""
+        """The vehicle type of a route and the set of customers it serves, a group being named by its first site: of routes with the same
+        key only the cheapest is of use."""
         return route.vehicle, frozenset(self.stands_for[list(route.visits)].tolist() if self.grouped else route.visits)
 
     def add(self, route: Route, cost: int) -> int:
-        """Keep a route, unless its visits are known to cost no more in another order; by what they are known to cost less."""
+        """Keep a route, unless one with the same key is known that costs no more. Returns how much cheaper the route kept is."""
         key = self.key(route)
         if self.grouped:
             cost += int(self.forgone[list(route.visits)].sum())
@@ -104,7 +105,7 @@ class Pool:
         same = Routes.of(kept.values()) if gained else None
         region = self.region(at_hand)
         self.whole = len(region) == len(at_hand)
-        served = {c for route in at_hand for c in self.key(route)[1]}
+        served = {c for _, visits in kept for c in visits}
         missing = [c for c in np.unique(self.stands_for[self.held.customers]).tolist() if c not in served]
         own = [self.key(route) for route in region]
         places = self.stands_for[[c for route in region for c in route.visits]].tolist() + missing

@@ -500,9 +500,9 @@ def anneal(  # type: ignore[no-untyped-def]
     nearest first; -1 ends a row. ``reach`` has what the two moves of a visit right after each of them are long at least, and ``drive`` what
     the first of them takes; who can only follow has -1 less the length of those before it, and service and the time of the second.
     ``best`` receives the cost and the successor of each node of the best answer. ``sizes`` are the longest string, how many visits are
-    removed on the mean, where the fleet is to become smaller, by what the price of a visit left out grows with each step, which end then
-    once none is, and what a unit of load costs on the mean. ``log``, ``lists`` and ``keys`` are room for work: what is compiled without
-    memory of its own counts no references to arrays, which took half of its time.
+    removed on the mean, by how much the price of a visit left out grows with each step (0 but where the fleet is to become smaller; steps
+    end then once none is left out), and the mean cost of a unit of the first load. ``log``, ``lists`` and ``keys`` are room for work: what
+    is compiled without memory of its own counts no references to arrays, which took half of its time.
     """
     kinds, dims = len(types), route.shape[1] - ROOM
     moved, todo, places = lists[0], lists[1], lists[2]
