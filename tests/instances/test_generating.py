@@ -36,7 +36,7 @@ def test_text_dashes_and_underscores_are_taken() -> None:
         ("random", True, {}, "the seed"),
         ("random", "x", {}, "the seed"),
         ("random", 1, {"robots": 3}, "random has no setting 'robots'; it takes customers"),
-        ("random", 1, {"customers": 0}, "customers must lie between 1 and 5000, not 0"),
+        ("random", 1, {"customers": 0}, "customers must lie between 1 and 1e+06, not 0"),
         ("random", 1, {"customers": "many"}, "customers must be a whole number, not 'many'"),
         ("random", 1, {"customers": 2.5}, "customers must be a whole number"),
         ("random", 1, {"customers": None}, "customers must have a value"),
@@ -45,7 +45,11 @@ def test_text_dashes_and_underscores_are_taken() -> None:
         ("solomon", 1, {"class": "Z9"}, "class must be one of C1, C2, R1, R2, RC1, RC2"),
         ("solomon", 1, {"density": float("nan")}, "density must lie between 0 and 1"),
         ("solomon", 1, {"density": 1.5}, "density must lie between 0 and 1"),
-        ("uchoa", 1, {"route-length": 0}, "route-length must lie between 1 and 5000"),
+        ("uchoa", 1, {"route-length": 0}, "route-length must lie between 1 and 200000"),
+        ("random", 1, {"customers": 6000, "metric": "explicit"}, "of 5000 customers at most"),
+        ("random", 1, {"customers": 6000, "deviation": 0.1}, "of 5000 customers at most"),
+        ("uchoa", 1, {"customers": 26, "grid": 10}, "26 customers need a grid of 11 or more, not 10"),
+        ("uchoa", 1, {"customers": 15_000, "positions": "C", "seeds": 2}, "15000 customers in clusters need 3 seeds or more, not 2"),
     ],
 )
 def test_what_does_not_exist_or_is_out_of_range_is_refused(kind: str, seed: Any, given: dict[str, Any], message: str) -> None:

@@ -1,4 +1,4 @@
-"""Small random instances for tests: uniform sites, everything optional. No recipe of the literature."""
+"""Random instances for tests: uniform sites, everything optional. No recipe of the literature."""
 
 import math
 from collections.abc import Mapping
@@ -7,14 +7,18 @@ from typing import Any
 
 import numpy as np
 
+from ...errors import UsageError
 from ...generators import GENERATORS, Draw, Generator, Setting
 from ..fleet import with_problems
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..travel import EXPLICIT, Travel
 
+LARGEST_MATRIX = 5001
+"""Sites with a matrix of all moves between them."""
+
 SETTINGS = {
-    "customers": Setting(6, "number of customers", least=1, most=5000),
-    "vehicles": Setting(None, "number of vehicles; unlimited by default", type=int, least=1, most=5000),
+    "customers": Setting(6, "number of customers", least=1, most=1_000_000),
+    "vehicles": Setting(None, "number of vehicles; unlimited by default", type=int, least=1, most=1_000_000),
     "capacity": Setting(20, "load of a vehicle; 0 for no loads at all", least=0, most=10**6),
     "demand": Setting(10, "largest demand", least=1, most=10**6),
     "windows": Setting(False, "whether customers have time windows"),
@@ -31,6 +35,10 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> RoutingInstance:
     """One instance. Every customer can be served by a vehicle of its own, unless durations are limited; with a fleet limit all of them
     together need not be."""
     n, extent = settings["customers"] + 1, settings["extent"]
+    if n > LARGEST_MATRIX and (settings["metric"] == "explicit" or settings["deviation"] > 0):
+        raise UsageError(
+            f"metric=explicit and deviation take a matrix of all moves, of {LARGEST_MATRIX - 1} customers at most", "too-large"
+        )
     xy = draw.integers(0, extent, (n, 2)).astype(np.float64)
     if settings["metric"] == "explicit":
         travel = Travel(EXPLICIT, matrix=draw.integers(1, extent, (n, n)).astype(np.float64))
@@ -60,4 +68,4 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> RoutingInstance:
     return with_problems(RoutingInstance(name, "generated", sites, travel, fleet))
 
 
-GENERATORS.enter(Generator("random", "small uniform instances, optionally with loads and windows", SETTINGS, make))
+GENERATORS.enter(Generator("random", "uniform instances, optionally with loads and windows", SETTINGS, make))

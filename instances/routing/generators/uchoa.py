@@ -1,9 +1,9 @@
 """Capacitated instances after the recipe of set X.
 
 Source: Uchoa, Pecin, Pessoa, Poggi, Vidal and Subramanian (2017), New benchmark instances for the capacitated vehicle routing
-problem, EJOR 257(3), section 3. All sites lie at different points of the grid [0, 1000] x [0, 1000]; a point attracts a customer
-with probability sum over the seeds s of exp(-d(p, s) / 40); the capacity is ceil(r * total demand / customers), where r is the
-average number of customers on a route; distances are rounded to the nearest integer.
+problem, EJOR 257(3), section 3. All sites lie at different points of the grid [0, 1000] x [0, 1000], or a larger one for more
+customers than theirs; a point attracts a customer with probability sum over the seeds s of exp(-d(p, s) / 40); the capacity is
+ceil(r * total demand / customers), where r is the average number of customers on a route; distances are rounded to the nearest integer.
 """
 
 import math
@@ -12,37 +12,47 @@ from typing import Any
 
 import numpy as np
 
+from ...errors import UsageError
 from ...generators import GENERATORS, Draw, Generator, Integers, Setting
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..travel import Travel
 
-GRID = 1000
 DECAY = 40.0
 BATCH = 4096
+CROWDED = 0.25  # part of the points of the grid that may be taken
+CLUSTER = 5000  # customers that one seed attracts before its surroundings are full
 RANGES = {"1-1": (1, 1), "1-10": (1, 10), "5-10": (5, 10), "1-100": (1, 100), "50-100": (50, 100)}
 
 SETTINGS = {
-    "customers": Setting(100, "number of customers", least=1, most=5000),
+    "customers": Setting(100, "number of customers", least=1, most=200_000),
     "depot": Setting("R", "depot: C in the centre, E in the corner, R anywhere", choices=("C", "E", "R")),
     "positions": Setting("RC", "customers: R anywhere, C in clusters, RC half of each", choices=("R", "C", "RC")),
+    "grid": Setting(1000, "side of the square in which all lie", least=10, most=20_000),
     "demand": Setting(
         "1-100", "range of demands; Q: by quadrant; SL: many small, few large", choices=(*RANGES, "Q", "SL")
     ),
     "route-length": Setting(None, "customers on a route, on average; drawn from the triangle (3, 6, 25) by default", type=float,
-                            least=1.0, most=5000.0),
-    "seeds": Setting(None, "number of clusters; drawn from 3 to 8 by default", type=int, least=1, most=100),
+                            least=1.0, most=200_000.0),
+    "seeds": Setting(None, "number of clusters; drawn from 3 to 8 by default", type=int, least=1, most=10_000),
     "name": Setting(None, "name of the instance", type=str),
 }  # fmt: skip
 
 
 def make(draw: Draw, settings: Mapping[str, Any]) -> RoutingInstance:
     """One instance of set X's kind, with an unlimited fleet."""
-    n = settings["customers"]
-    centre = {"C": (GRID // 2, GRID // 2), "E": (0, 0)}.get(settings["depot"])
-    depot = draw.integers(0, GRID, 2) if centre is None else np.array(centre, dtype=np.int64)
+    n, grid = settings["customers"], settings["grid"]
+    if n > CROWDED * grid * grid:
+        raise UsageError(f"{n} customers need a grid of {math.isqrt(math.ceil(n / CROWDED)) + 1} or more, not {grid}", "out-of-range")
+    centre = {"C": (grid // 2, grid // 2), "E": (0, 0)}.get(settings["depot"])
+    depot = draw.integers(0, grid, 2) if centre is None else np.array(centre, dtype=np.int64)
     clusters = min(settings["seeds"] or draw.integer(3, 8), n)
-    xy = _positions(draw, depot, n, settings["positions"], clusters)
-    demand = _demands(draw, xy, settings["demand"])
+    clustered = n - _scattered(n, settings["positions"])
+    if clustered > CLUSTER * clusters:
+        raise UsageError(
+            f"{clustered} customers in clusters need {math.ceil(clustered / CLUSTER)} seeds or more, not {clusters}", "out-of-range"
+        )
+    xy = _positions(draw, grid, depot, n, settings["positions"], clusters)
+    demand = _demands(draw, grid, xy, settings["demand"])
     length = settings["route-length"] or draw.triangular(3.0, 6.0, 25.0)
     capacity = max(math.ceil(length * int(demand.sum()) / n), int(demand.max()))
     points = np.vstack([depot, xy]).astype(np.float64)
@@ -52,7 +62,12 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> RoutingInstance:
     return RoutingInstance(name, "generated", sites, travel, (VehicleType(None, capacity),), "cvrp", ("cvrp", "min-cost-vrp"))
 
 
-def _positions(draw: Draw, depot: Integers, n: int, positions: str, clusters: int) -> Integers:
+def _scattered(n: int, positions: str) -> int:
+    """How many of ``n`` customers lie anywhere."""
+    return {"R": n, "C": 0, "RC": n // 2}[positions]
+
+
+def _positions(draw: Draw, grid: int, depot: Integers, n: int, positions: str, clusters: int) -> Integers:
     """Points of the customers: the random ones, then the seeds of the clusters, then the customers they attract."""
     taken = {(int(depot[0]), int(depot[1]))}
     points: list[tuple[int, int]] = []
@@ -63,28 +78,28 @@ def _positions(draw: Draw, depot: Integers, n: int, positions: str, clusters: in
                 taken.add((x, y))
                 points.append((x, y))
 
-    scattered = {"R": n, "C": 0, "RC": n // 2}[positions]
+    scattered = _scattered(n, positions)
     while len(points) < scattered:
-        add(draw.integers(0, GRID, (scattered - len(points), 2)), scattered)
+        add(draw.integers(0, grid, (scattered - len(points), 2)), scattered)
     seeds_end = min(scattered + clusters, n)
     while len(points) < seeds_end:
-        add(draw.integers(0, GRID, (seeds_end - len(points), 2)), seeds_end)
+        add(draw.integers(0, grid, (seeds_end - len(points), 2)), seeds_end)
     seeds = np.array(points[scattered:seeds_end], dtype=np.float64)
     while len(points) < n:
-        candidates = draw.integers(0, GRID, (BATCH, 2))
+        candidates = draw.integers(0, grid, (BATCH, 2))
         apart = np.sqrt(((candidates[:, None, :] - seeds[None, :, :]) ** 2).sum(axis=2))
         accepted = draw.uniform(0.0, 1.0, BATCH) <= np.exp(-apart / DECAY).sum(axis=1)
         add(candidates[accepted], n)
     return np.array(points, dtype=np.int64)
 
 
-def _demands(draw: Draw, xy: Integers, rule: str) -> Integers:
+def _demands(draw: Draw, grid: int, xy: Integers, rule: str) -> Integers:
     n = len(xy)
     if rule in RANGES:
         return draw.integers(*RANGES[rule], n)
     small, large = draw.integers(1, 50, n), draw.integers(51, 100, n)
     if rule == "Q":
-        half = GRID / 2
+        half = grid / 2
         odd_quadrant = (xy[:, 0] >= half) == (xy[:, 1] >= half)
         return np.where(odd_quadrant, large, small)
     share = float(draw.uniform(0.70, 0.95, 1)[0])

@@ -27,6 +27,16 @@ def test_all_sites_differ_and_lie_on_the_grid(positions: str) -> None:
     assert ((xy >= 0) & (xy <= 1000) & (xy == np.round(xy))).all()
 
 
+@pytest.mark.parametrize("grid", [11, 3000])
+def test_a_grid_of_another_size_is_filled_to_its_sides_and_not_beyond(grid: int) -> None:
+    i = made(customers=30, grid=grid, positions="R", depot="C", demand="Q")
+    xy = i.sites.coordinates
+    assert xy[0].tolist() == [grid // 2, grid // 2]
+    assert 0.75 * grid < xy.max() <= grid
+    odd = (xy[1:, 0] >= grid / 2) == (xy[1:, 1] >= grid / 2)
+    assert i.sites.demand[1:][odd].min() > 50 >= i.sites.demand[1:][~odd].max()
+
+
 def test_clustered_customers_lie_near_their_seeds_as_the_law_of_attraction_says() -> None:
     """Under exp(-d/40) around few seeds the distance to the nearest of them has a mean of about 80 (a Gamma law of shape 2)."""
     xy = made(customers=2000, positions="C", seeds=3).sites.coordinates[1:]
