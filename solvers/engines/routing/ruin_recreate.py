@@ -135,7 +135,7 @@ class RuinRecreate(Bisecting):
 
     def seconds_at(self, speed: float, customers: int, routes: int, left: float) -> float:
         """For how many of the seconds that are left it goes on, told its speed in ruins a second on all of its threads and how many routes
-        there are: for who has other plans for the rest."""
+        the best answer has: for who has other plans for the rest."""
         return left
 
     def search(self, problem: RoutingProblem, options: Options, control: Control) -> RawResult:
@@ -293,7 +293,7 @@ class _Search:
             if not measured and now() - began >= MEASURED:
                 measured = True
                 spent = now() - began
-                routes = int(self.held.types[:, k.USED].sum())
+                routes = len(self.held.routes(self.best[1:]))
                 speed = done / spent * self.abreast
                 whole = spent + self.seconds_at(speed, self.held.most_visits, routes, self.stop.seconds_left)
                 self.plan(course, done / spent * whole)
