@@ -13,8 +13,8 @@ from ..fleet import with_problems
 from ..instance import RoutingInstance, Sites, VehicleType
 from ..travel import EXPLICIT, Travel
 
-LARGEST_MATRIX = 5001
-"""Sites with a matrix of all moves between them."""
+LARGEST_MATRIX = 5000
+"""Customers with a matrix of all moves between them."""
 
 SETTINGS = {
     "customers": Setting(6, "number of customers", least=1, most=1_000_000),
@@ -35,10 +35,8 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> RoutingInstance:
     """One instance. Every customer can be served by a vehicle of its own, unless durations are limited; with a fleet limit all of them
     together need not be."""
     n, extent = settings["customers"] + 1, settings["extent"]
-    if n > LARGEST_MATRIX and (settings["metric"] == "explicit" or settings["deviation"] > 0):
-        raise UsageError(
-            f"metric=explicit and deviation take a matrix of all moves, of {LARGEST_MATRIX - 1} customers at most", "too-large"
-        )
+    if n - 1 > LARGEST_MATRIX and (settings["metric"] == "explicit" or settings["deviation"] > 0):
+        raise UsageError(f"metric=explicit and deviation take a matrix of all moves, of {LARGEST_MATRIX} customers at most", "too-large")
     xy = draw.integers(0, extent, (n, 2)).astype(np.float64)
     if settings["metric"] == "explicit":
         travel = Travel(EXPLICIT, matrix=draw.integers(1, extent, (n, n)).astype(np.float64))

@@ -27,13 +27,13 @@ SETTINGS = {
     "customers": Setting(100, "number of customers", least=1, most=200_000),
     "depot": Setting("R", "depot: C in the centre, E in the corner, R anywhere", choices=("C", "E", "R")),
     "positions": Setting("RC", "customers: R anywhere, C in clusters, RC half of each", choices=("R", "C", "RC")),
-    "grid": Setting(1000, "side of the square in which all lie", least=10, most=20_000),
+    "grid": Setting(1000, "side of the square in which all lie", least=10, most=10_000),
     "demand": Setting(
         "1-100", "range of demands; Q: by quadrant; SL: many small, few large", choices=(*RANGES, "Q", "SL")
     ),
     "route-length": Setting(None, "customers on a route, on average; drawn from the triangle (3, 6, 25) by default", type=float,
                             least=1.0, most=200_000.0),
-    "seeds": Setting(None, "number of clusters; drawn from 3 to 8 by default", type=int, least=1, most=10_000),
+    "seeds": Setting(None, "number of clusters; drawn from 3 to 8 by default", type=int, least=1, most=1000),
     "name": Setting(None, "name of the instance", type=str),
 }  # fmt: skip
 
@@ -46,12 +46,11 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> RoutingInstance:
     centre = {"C": (grid // 2, grid // 2), "E": (0, 0)}.get(settings["depot"])
     depot = draw.integers(0, grid, 2) if centre is None else np.array(centre, dtype=np.int64)
     clusters = min(settings["seeds"] or draw.integer(3, 8), n)
-    clustered = n - _scattered(n, settings["positions"])
-    if clustered > CLUSTER * clusters:
-        raise UsageError(
-            f"{clustered} customers in clusters need {math.ceil(clustered / CLUSTER)} seeds or more, not {clusters}", "out-of-range"
-        )
-    xy = _positions(draw, grid, depot, n, settings["positions"], clusters)
+    scattered = {"R": n, "C": 0, "RC": n // 2}[settings["positions"]]
+    least = math.ceil((n - scattered) / CLUSTER)
+    if clusters < least:
+        raise UsageError(f"{n - scattered} customers in clusters need {least} seeds or more, not {clusters}", "out-of-range")
+    xy = _positions(draw, grid, depot, n, scattered, clusters)
     demand = _demands(draw, grid, xy, settings["demand"])
     length = settings["route-length"] or draw.triangular(3.0, 6.0, 25.0)
     capacity = max(math.ceil(length * int(demand.sum()) / n), int(demand.max()))
@@ -62,12 +61,7 @@ def make(draw: Draw, settings: Mapping[str, Any]) -> RoutingInstance:
     return RoutingInstance(name, "generated", sites, travel, (VehicleType(None, capacity),), "cvrp", ("cvrp", "min-cost-vrp"))
 
 
-def _scattered(n: int, positions: str) -> int:
-    """How many of ``n`` customers lie anywhere."""
-    return {"R": n, "C": 0, "RC": n // 2}[positions]
-
-
-def _positions(draw: Draw, grid: int, depot: Integers, n: int, positions: str, clusters: int) -> Integers:
+def _positions(draw: Draw, grid: int, depot: Integers, n: int, scattered: int, clusters: int) -> Integers:
     """Points of the customers: the random ones, then the seeds of the clusters, then the customers they attract."""
     taken = {(int(depot[0]), int(depot[1]))}
     points: list[tuple[int, int]] = []
@@ -78,7 +72,6 @@ def _positions(draw: Draw, grid: int, depot: Integers, n: int, positions: str, c
                 taken.add((x, y))
                 points.append((x, y))
 
-    scattered = _scattered(n, positions)
     while len(points) < scattered:
         add(draw.integers(0, grid, (scattered - len(points), 2)), scattered)
     seeds_end = min(scattered + clusters, n)
